@@ -128,7 +128,7 @@ impl Rig {
             scattering: self.scattering(),
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
             basis: None,
         })
     }

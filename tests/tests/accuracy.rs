@@ -7,7 +7,7 @@ mod common;
 use skyglow_lab::setup::open_sky;
 use skyglow_observatory::{BrightnessRequest, Observatory, SkyRequest};
 use skyglow_physics::{
-    ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
     photometry::luminance_cd_m2,
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -82,7 +82,7 @@ fn compare(
             scattering: reference.scattering,
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
             basis: None,
         })
         .unwrap();
@@ -146,6 +146,7 @@ fn each_zenith_is_that_of_its_panorama() {
             turbidity,
             scattering: Scattering::Multiple,
             lamp: LampPreset::Mixed.lamp(),
+            response: Response::Photopic,
             emission: EmissionMix::garstang().into(),
             terrain_hides: true,
             max_places,

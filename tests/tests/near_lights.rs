@@ -5,10 +5,10 @@ mod common;
 
 use skyglow_bench::scenes::{LitPixel, grid_under_open_sky, sources_of_pixels};
 use skyglow_lab::setup::open_sky;
-use skyglow_observatory::{InfluenceRequest, InfluenceSolver, Measure, Observatory, SkyRequest};
+use skyglow_observatory::{InfluenceRequest, InfluenceSolver, Measure, Observatory, SeenMeasure, SkyRequest};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset,
-    LinearMeasure, PointSource, SkyCurve, Turbidity,
+    LinearMeasure, PointSource, Response, SkyCurve, Turbidity,
     panorama::{azimuth_rad, elevation_rad},
     single_source::{SourceGeometry, mixed_radiance_per_watt},
 };
@@ -27,7 +27,7 @@ fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
         scattering: Scattering::Multiple,
         cloud_base_m: None,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
         basis: None,
     }
 }
@@ -53,7 +53,7 @@ fn near_light_peaks_are_those_of_first_order() {
         source_altitude_m: light.altitude_m,
         observer_altitude_m: 300.0,
     };
-    let flux = LampPreset::Mixed.lamp().flux_per_dnb_flux.map(|flux| flux * light.flux_dnb_w);
+    let flux = LampPreset::Mixed.lamp().flux_per_dnb_flux().map(|flux| flux * light.flux_dnb_w);
     let with = sky(grid_under_open_sky(&lights), 2.5);
     let without = sky(PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, 2.5);
     let (mut right, mut wrong) = (0f64, 0f64);
@@ -111,9 +111,12 @@ fn far_from_near_lights_nothing_changes() {
 #[test]
 fn near_lights_are_corrected_where_needed() {
     let solver = InfluenceSolver::new(OBSERVATORY.engine().table_set());
+    let rule = LampPreset::Mixed.lamp().light().rule(&Response::Photopic);
     // 3° high, in the north-east.
     let asked = request(grid_under_open_sky(&one_light()), 2.5);
-    let of = |measure: &LinearMeasure| solver.near_lights(&asked, &asked, measure).unwrap();
+    let of = |measure: &LinearMeasure| {
+        solver.near_lights(&asked, &asked, SeenMeasure { measure, rule: &rule }).unwrap()
+    };
     let region = |corners_deg: [(f64, f64); 4]| {
         let corner = |(azimuth_deg, elevation_deg): (f64, f64)| Direction {
             azimuth_rad: azimuth_deg.to_radians(),

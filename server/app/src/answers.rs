@@ -11,8 +11,8 @@ mod service;
 mod site;
 mod sky;
 
-pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer};
-pub use brightness::BrightnessAssumptions;
+pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, ResponseAnswer};
+pub use brightness::{BrightnessAssumptions, brightness_shows};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };

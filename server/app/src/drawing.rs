@@ -10,6 +10,7 @@ use skyglow_display::{
     picture, raster,
 };
 use skyglow_observatory::RenderedSky;
+use skyglow_physics::{SeenSky, spectrum::RGB_BANDS};
 use thiserror::Error;
 
 /// A defect of the program: what is asked was checked before.
@@ -36,8 +37,11 @@ pub fn draw(
 ) -> Result<Vec<u8>, DrawingError> {
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
-    let image = || picture(&sky.panorama, &sky.horizon, &options);
-    let floats = || raster(&sky.panorama, &sky.horizon, options.projection, view.raster_size_px, options.sky);
+    let image = || picture(&sky.seen, &sky.response, &sky.horizon, &options);
+    let floats = || {
+        let bands = SeenSky::of(&sky.parts, &RGB_BANDS);
+        raster(&bands, &sky.horizon, options.projection, view.raster_size_px, options.sky)
+    };
     Ok(match format {
         Format::Png => encode_png(&image()?, &notes)?,
         Format::WebP => encode_webp(&image()?, &notes)?,

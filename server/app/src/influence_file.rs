@@ -44,7 +44,9 @@ pub fn encode_influences(
             Ok(serde_json::to_vec(&answer)?)
         }
         InfluenceFormat::GeoJson => geojson(assumptions, map, request),
-        InfluenceFormat::Csv => influence_table(map, measure, request.limit),
+        InfluenceFormat::Csv => {
+            influence_table(map, &measure.unit(request.request.sky.response.unit()), request.limit)
+        }
         InfluenceFormat::Tiff => geotiff(&assumptions, map, measure),
     }
 }
@@ -62,7 +64,7 @@ fn geojson(
     let boundary = request.boundary.as_ref().map(|area| PartAnswer::new(map.within(&area.boundary), total));
     let facts = json!({
         "measure": measure_name(measure),
-        "unit": measure.unit(),
+        "unit": measure.unit(request.request.sky.response.unit()),
         "total": total,
         "boundary": boundary,
         "assumptions": assumptions,
@@ -116,19 +118,12 @@ pub fn csv_table<T: Serialize + Default>(rows: Vec<T>) -> Result<Vec<u8>, Influe
 }
 
 /// A row for each pixel; the column of influences carries their unit in its name.
-fn influence_table(
-    map: &InfluenceMap,
-    measure: &Measure,
-    limit: usize,
-) -> Result<Vec<u8>, InfluenceFileError> {
-    let influence = match measure {
-        Measure::Norm => ",influence_cd_m2_sr0_5,",
-        Measure::Horizontal => ",influence_lx,",
-        Measure::Zenith | Measure::Mean | Measure::Region(_) => ",influence_cd_m2,",
-    };
+fn influence_table(map: &InfluenceMap, unit: &str, limit: usize) -> Result<Vec<u8>, InfluenceFileError> {
+    // `cd m-2 sr0.5` becomes `cd_m2_sr0_5`.
+    let influence = format!(",influence_{},", unit.replace('-', "").replace([' ', '.'], "_"));
     let table = csv_table(influential_pixels(map, map.total().influence, limit))?;
     let end = table.iter().position(|byte| *byte == b'\n').unwrap_or(table.len());
-    let names = String::from_utf8_lossy(&table[..end]).replacen(",influence,", influence, 1);
+    let names = String::from_utf8_lossy(&table[..end]).replacen(",influence,", &influence, 1);
     Ok([names.as_bytes(), &table[end..]].concat())
 }
 
@@ -146,8 +141,9 @@ fn geotiff(
         measure_name(measure)
     );
     let description = notes::description(shows, assumptions.scene.illustrative);
+    let unit = measure.unit(&assumptions.response.unit);
     let assumptions = serde_json::to_string(assumptions)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-    let words = RasterMetadata { description: &description, unit: measure.unit(), notes: &notes };
+    let words = RasterMetadata { description: &description, unit: &unit, notes: &notes };
     Ok(map.open_scene().pixels_geotiff(&numbers, map.influence(), &words)?)
 }

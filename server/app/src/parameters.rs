@@ -143,11 +143,16 @@ parameters! {
     TURBIDITY = "turbidity", Kind::Number { minimum: Turbidity::MINIMUM, maximum: Turbidity::MAXIMUM, unit: "" }, "2.5", false;
     /// Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`.
     SCATTERING = "scattering", Kind::Choice(&["single", "multiple"]), "", false;
-    /// Lamp: its flux in the bands R, G, B per flux that the satellite saw.
+    /// Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`.
     LAMP = "lamp", Kind::Text {
-        allowed: "neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0",
-        pattern: "^(neutral|hps|lps|pc_amber|led_3000k|led_4000k|metal_halide|mercury|mixed|[0-9.]+(,[0-9.]+){2})$",
+        allowed: "neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees",
+        pattern: "^(neutral|mixed|incandescent|hps|hps_colour_enhanced|lps|pc_amber|led_2700k|led_3000k|led_4000k|led_5000k|led_6500k|led_hybrid|led_rgb|led_violet_2700k|led_violet_4000k|metal_halide_3000k|metal_halide|metal_halide_ceramic|mercury|fluorescent|fluorescent_three_band|[0-9]+(,[0-9]+){2}|[a-z_]+[0-9]*k?:[0-9.]+(,[a-z_]+[0-9]*k?:[0-9.]+){0,7}|[0-9]{3}:[0-9.]+(,[0-9]{3}:[0-9.]+)+)$",
     }, "mixed", false;
+    /// What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's.
+    RESPONSE = "response", Kind::Text {
+        allowed: "photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm",
+        pattern: "^(photopic|scotopic|johnson_b|johnson_v|johnson_r|sqm|melanopic|dnb|[0-9]{3}:[0-9.]+(,[0-9]{3}:[0-9.]+)+)$",
+    }, "photopic", false;
     /// How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`.
     EMISSION = "emission", Kind::Text {
         allowed: "modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0",
@@ -270,11 +275,11 @@ parameter_sets! {
     PlaceParameters = [LAT, LON, SCENARIO];
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
-        TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
+        TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,
     ];
     /// The same, and how it is kept.
     PlanPostParameters = [
-        TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
+        TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT, KEEP,
         LISTED, PINNED,
     ];
     /// Those of a scenario beside its body: how it is kept.
@@ -285,28 +290,28 @@ parameter_sets! {
     PlanListParameters = [LIMIT];
     /// Those of a sky.
     SkyParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO,
     ];
     /// Those of a sky that is summed over every light: it has no basis.
     ReferenceParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, CLOUDS, TERRAIN, SKY, SCENARIO,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, CLOUDS, TERRAIN, SKY, SCENARIO,
     ];
     /// Those of influences as a list.
     InfluenceParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION, LIMIT,
     ];
     /// Those of influences as a raster or map tile: all pixels are shown.
     InfluenceRasterParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION,
     ];
     /// Those of the zenith's brightness at every place.
-    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
+    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
     /// Those of a panorama's raw grid.
     GridParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO,
     ];
     /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
@@ -316,7 +321,7 @@ parameter_sets! {
     ];
     /// Those of a panorama as a picture.
     PanoramaParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
@@ -389,12 +394,12 @@ mod tests {
         let mut made_by = |parameter: Parameter| {
             let Kind::Text { pattern, .. } = parameter.kind else { panic!("{} is no text", parameter.name) };
             let form = string_regex(pattern.trim_matches(['^', '$'])).unwrap();
-            (0..50).map(|_| form.new_tree(&mut runner).unwrap().current()).collect::<Vec<String>>()
+            (0..500).map(|_| form.new_tree(&mut runner).unwrap().current()).collect::<Vec<String>>()
         };
         assert!(made_by(SCENARIO).iter().all(|id| ChangeId::parse(id).is_ok()));
         assert!(made_by(AFTER).iter().all(|text| Cursor::parse(text).is_some()));
         assert!(made_by(CLOUDS).iter().all(|text| text == "none" || text.parse::<u32>().is_ok()));
-        for parameter in [LAMP, EMISSION] {
+        for parameter in [LAMP, RESPONSE, EMISSION] {
             let made = made_by(parameter);
             assert!(made.iter().any(|text| text == parameter.default), "{}: {made:?}", parameter.name);
         }

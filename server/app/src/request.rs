@@ -11,6 +11,7 @@ mod plan_body;
 mod points;
 mod scenario;
 mod sky;
+mod spectra;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -134,7 +135,8 @@ pub fn panorama(
     let mut reader = Reader::new(query, p::PanoramaParameters::ALL);
     only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
-    let mut view = read_view(&mut reader);
+    let response = sky.as_ref().map(|sky| sky.response.clone()).unwrap_or_default();
+    let mut view = read_view(&mut reader, &response);
     reader.finish()?;
     let sky = sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))?;
     view.options.sky = light_under(&sky, view.options.sky);

@@ -145,7 +145,7 @@ impl Setting {
             turbidities: packs.turbidities,
             bases,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
         })
     }
 

@@ -27,6 +27,12 @@ pub enum DisplayError {
         /// The upper end given.
         maximum: f64,
     },
+    /// A response that the sky at hand was not made for: a defect of this program, not of the request.
+    #[error("the sky was not made for the response {response}")]
+    NotSeen {
+        /// Its name.
+        response: &'static str,
+    },
     /// An encoder refused: a defect of this program, not of the request.
     #[error("encoding {format} failed: {reason}")]
     Encoding {

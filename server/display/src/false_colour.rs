@@ -2,6 +2,7 @@
 
 use crate::error::{DisplayError, check};
 use serde::{Deserialize, Serialize};
+use skyglow_physics::Response;
 use skyglow_physics::photometry::{brightness_mag_arcsec2, luminance_from_brightness_cd_m2};
 
 /// Unit of a colour range's ends. The colours are the same for both: magnitudes are a logarithm of luminance.
@@ -61,6 +62,15 @@ impl ColourRange {
     pub const fn of(scale: Scale) -> Self {
         let (min, max) = scale.default_ends();
         Self { scale, min, max }
+    }
+
+    /// The default range of what a response sees, in its unit: as bright a sky as that of luminances.
+    pub fn for_response(scale: Scale, response: &Response) -> Self {
+        match (scale, response.unit()) {
+            (Scale::Magnitude, _) | (_, "cd m-2") => Self::of(scale),
+            (_, "nW cm-2 sr-1") => Self { scale, min: 1e-3, max: 10.0 },
+            _ => Self { scale, min: 1e-8, max: 1e-4 },
+        }
     }
 
     /// Checks that both ends are in the scale's limits and in order.

@@ -1,7 +1,7 @@
 //! Ground that hides the sky: what is seen in its place, and what lies just above it.
 
 use image::{Rgb, RgbImage};
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, SeenSky};
 use std::borrow::Cow;
 
 /// Ground that hides the sky: a neutral brown-grey, lighter than the dark end of every colour map but Viridis' and
@@ -10,24 +10,23 @@ pub const TERRAIN_RGB: [u8; 3] = [58, 54, 49];
 /// The line along its upper edge: light and as neutral, so that the edge is seen before any colour.
 pub const SKYLINE_RGB: [u8; 3] = [164, 156, 144];
 
-/// The panorama with its hidden samples filled from the lowest visible one of their column, as the lowest row holds
+/// The sky with its hidden samples filled from the lowest visible one of their column, as the lowest row holds
 /// down to an open horizon: between the profile and the first visible row the sky then has its colour, and none of
 /// the ground's darkness runs into it. Visible samples stay bit for bit.
-pub(crate) fn without_ground<'a>(panorama: &'a Panorama, horizon: &Horizon) -> Cow<'a, Panorama> {
+pub(crate) fn without_ground<'a>(sky: &'a SeenSky, horizon: &Horizon) -> Cow<'a, SeenSky> {
     if horizon.is_flat() {
-        return Cow::Borrowed(panorama);
+        return Cow::Borrowed(sky);
     }
-    let mut filled = panorama.clone();
-    for column in 0..AZIMUTH_COUNT {
-        let lowest = horizon.first_visible_row(column);
-        if lowest == ELEVATION_COUNT {
-            continue;
-        }
-        for band in 0..BAND_COUNT {
-            let value = panorama.samples()[Panorama::index(band, lowest, column)];
-            for row in 0..lowest {
-                filled.samples_mut()[Panorama::index(band, row, column)] = value;
+    let mut filled = sky.clone();
+    for place in 0..sky.responses().len() {
+        let values = filled.plane_mut(place);
+        for column in 0..AZIMUTH_COUNT {
+            let lowest = horizon.first_visible_row(column);
+            if lowest == ELEVATION_COUNT {
+                continue;
             }
+            let value = values[lowest * AZIMUTH_COUNT + column];
+            (0..lowest).for_each(|row| values[row * AZIMUTH_COUNT + column] = value);
         }
     }
     Cow::Owned(filled)
@@ -125,7 +124,10 @@ impl<'a> GroundMap<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Colormap, PictureOptions, Projection, Sky, Style, picture, picture::GROUND_RGB};
+    use crate::{
+        Colormap, PictureOptions, Projection, Sky, Style, fixtures::grey_sky, picture, picture::GROUND_RGB,
+    };
+    use skyglow_physics::Response;
     use std::f64::consts::FRAC_PI_2;
 
     /// A hill in the east: 30° high at azimuth 90°, linear to 0 at 45° and 135°.
@@ -134,10 +136,8 @@ mod tests {
         Horizon::new((0..AZIMUTH_COUNT).map(|column| elevation_deg(column).to_radians()).collect()).unwrap()
     }
 
-    fn bright_behind(horizon: &Horizon) -> Panorama {
-        let mut panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
-        horizon.darken(&mut panorama);
-        panorama
+    fn bright_behind(horizon: &Horizon) -> SeenSky {
+        crate::fixtures::grey_sky(|row, column| if horizon.hides_sample(row, column) { 0.0 } else { 1e-3 })
     }
 
     const PROJECTIONS: [Projection; 3] = [
@@ -152,7 +152,7 @@ mod tests {
         let horizon = hill();
         for projection in PROJECTIONS {
             let options = PictureOptions { legend: false, ..PictureOptions::new(projection) };
-            let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+            let image = picture(&bright_behind(&horizon), &Response::Photopic, &horizon, &options).unwrap();
             let view = crate::projection::View::new(projection, options.width_px, options.height_px);
             let at = |azimuth_deg: f64, elevation_deg: f64| {
                 let direction = Direction {
@@ -179,7 +179,8 @@ mod tests {
     fn a_flat_horizon_changes_no_pixel() {
         for projection in PROJECTIONS {
             let options = PictureOptions::new(projection);
-            let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
+            let image =
+                picture(&grey_sky(|_, _| 0.0), &Response::Photopic, &Horizon::flat(), &options).unwrap();
             assert!(image.pixels().all(|pixel| pixel.0 != TERRAIN_RGB));
         }
     }
@@ -189,10 +190,10 @@ mod tests {
     fn cameras_see_ground_and_fisheye_corners_stay() {
         let horizon = Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap();
         let options = PictureOptions { legend: false, ..PictureOptions::new(PROJECTIONS[2]) };
-        let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+        let image = picture(&bright_behind(&horizon), &Response::Photopic, &horizon, &options).unwrap();
         assert_eq!(image.get_pixel(512, options.height_px - 1).0, TERRAIN_RGB);
         let options = PictureOptions { legend: false, ..PictureOptions::new(Projection::Fisheye) };
-        let image = picture(&bright_behind(&horizon), &horizon, &options).unwrap();
+        let image = picture(&bright_behind(&horizon), &Response::Photopic, &horizon, &options).unwrap();
         assert_eq!(image.get_pixel(2, 2).0, GROUND_RGB);
     }
 
@@ -224,7 +225,7 @@ mod tests {
             legend: false,
             ..PictureOptions::new(Projection::Equirectangular)
         };
-        let image = picture(&Panorama::dark(), &horizon, &options).unwrap();
+        let image = picture(&grey_sky(|_, _| 0.0), &Response::Photopic, &horizon, &options).unwrap();
         assert!(image.pixels().all(|pixel| pixel.0 == TERRAIN_RGB));
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     text::{Align, Pen},
 };
 use image::{Rgb, RgbImage};
-use skyglow_physics::Direction;
+use skyglow_physics::{Direction, Response};
 
 /// A picture with a legend is at least this wide, pixels.
 pub const MIN_WIDTH_PX: u32 = 320;
@@ -96,6 +96,7 @@ impl Beyond {
 pub(crate) fn draw_strip(
     canvas: &mut RgbImage,
     options: &PictureOptions,
+    response: &Response,
     beyond: Beyond,
 ) -> Result<(), DisplayError> {
     if options.illustrative {
@@ -106,7 +107,7 @@ pub(crate) fn draw_strip(
     }
     match options.style {
         Style::FalseColour { colormap, range } => {
-            draw_bar(canvas, options, range, beyond, |t| colormap.rgb(t))
+            draw_bar(canvas, options, (range, response), beyond, |t| colormap.rgb(t))
         }
         Style::Realistic { exposure_ev } => {
             let scale = scale(options.width_px);
@@ -130,18 +131,18 @@ fn light(sky: Sky) -> &'static str {
     }
 }
 
-/// The colour bar: mag/arcsec² above, cd/m² below; a tip at an end beyond which the sky goes.
+/// The colour bar: mag/arcsec² above, where the response has magnitudes, and its unit below; a tip at an end beyond which the sky goes.
 fn draw_bar(
     canvas: &mut RgbImage,
     options: &PictureOptions,
-    range: ColourRange,
+    (range, response): (ColourRange, &Response),
     beyond: Beyond,
     colour: impl Fn(f64) -> [u8; 3],
 ) -> Result<(), DisplayError> {
     let scale = scale(options.width_px);
     let pen = Pen::new(13.0 * scale)?;
     let top = options.height_px as f32;
-    let (upper_unit, lower_unit) = ("mag/arcsec²", "cd/m²");
+    let (upper_unit, lower_unit) = ("mag/arcsec²", unit_shown(response));
     let left = 16.0 * scale;
     let right = canvas.width() as f32 - pen.width_px(upper_unit) - 40.0 * scale;
     let (bar_top, bar_bottom) = (top + 22.0 * scale, top + 36.0 * scale);
@@ -167,12 +168,18 @@ fn draw_bar(
         }
     }
     let unit_x = right + 30.0 * scale;
-    pen.draw(canvas, upper_unit, (unit_x, top + 3.0 * scale), Align::Left, LABEL_RGB);
+    if response.has_magnitude() {
+        pen.draw(canvas, upper_unit, (unit_x, top + 3.0 * scale), Align::Left, LABEL_RGB);
+    }
     pen.draw(canvas, lower_unit, (unit_x, bar_bottom + 4.0 * scale), Align::Left, LABEL_RGB);
     if options.width_px >= 640 {
         let note = Pen::new(10.0 * scale)?;
-        let words = if options.sky == Sky::Total { "total" } else { "artificial" };
-        note.draw(canvas, words, (unit_x, bar_top + 1.0 * scale), Align::Left, LABEL_RGB);
+        let light = if options.sky == Sky::Total { "total" } else { "artificial" };
+        let words = match response {
+            Response::Photopic => light.to_owned(),
+            other => format!("{light}, {}", other.name()),
+        };
+        note.draw(canvas, &words, (unit_x, bar_top + 1.0 * scale), Align::Left, LABEL_RGB);
     }
 
     let mut mark = |position: f64, label: &str, above: bool| {
@@ -187,7 +194,8 @@ fn draw_bar(
         pen.draw(canvas, label, (x, text_top), Align::Centre, LABEL_RGB);
     };
     let (faint, bright) = range.brightness_ends_mag_arcsec2();
-    for magnitude in round_steps(bright, faint, f64::from(length) / f64::from(52.0 * scale)) {
+    let magnitudes = round_steps(bright, faint, f64::from(length) / f64::from(52.0 * scale));
+    for magnitude in magnitudes.into_iter().filter(|_| response.has_magnitude()) {
         mark((faint - magnitude) / (faint - bright), &trimmed(magnitude), true);
     }
     let (low, high) = range.luminance_ends_cd_m2();
@@ -195,6 +203,15 @@ fn draw_bar(
         mark(range.position(luminance), &power_label(luminance), false);
     }
     Ok(())
+}
+
+/// The unit of a response as it is written for people.
+fn unit_shown(response: &Response) -> &'static str {
+    match response.unit() {
+        "cd m-2" => "cd/m²",
+        "nW cm-2 sr-1" => "nW/cm²/sr",
+        _ => "W/m²/sr",
+    }
 }
 
 /// Room between the bar and a tip.
@@ -275,8 +292,12 @@ fn power_label(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Colormap, picture};
-    use skyglow_physics::{Horizon, Panorama};
+    use crate::{Colormap, DisplayError, fixtures::grey_sky};
+    use skyglow_physics::{Horizon, SeenSky};
+
+    fn picture(sky: &SeenSky, horizon: &Horizon, options: &PictureOptions) -> Result<RgbImage, DisplayError> {
+        crate::picture(sky, &Response::Photopic, horizon, options)
+    }
 
     #[test]
     fn labels_are_short_and_right() {
@@ -293,7 +314,7 @@ mod tests {
     /// The legend is below the sky runs through the colour map and leaves the sky its size.
     #[test]
     fn the_legend_is_below_and_shows_the_map() {
-        let panorama = Panorama::dark();
+        let panorama = grey_sky(|_, _| 0.0);
         let with = PictureOptions::new(Projection::Equirectangular);
         let without = PictureOptions { legend: false, ..with };
         let (a, b) = (
@@ -331,8 +352,8 @@ mod tests {
         let options =
             PictureOptions { sky: Sky::Artificial, ..PictureOptions::new(Projection::Equirectangular) };
         // Light ink beside the bar, in its height: nothing else is drawn there but the word at its right.
-        let tips = |radiance: f32| {
-            let panorama = Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap();
+        let tips = |luminance_cd_m2: f64| {
+            let panorama = grey_sky(|_, _| luminance_cd_m2);
             let image = picture(&panorama, &Horizon::flat(), &options).unwrap();
             let bar: Vec<u32> =
                 (0..1024).filter(|&x| image.get_pixel(x, 256 + 29).0 == Colormap::Inferno.rgb(0.5)).collect();
@@ -341,9 +362,28 @@ mod tests {
             let right = (1024.0 - Pen::new(13.0).unwrap().width_px("mag/arcsec²") - 40.0) as u32;
             ((2..14).any(is_ink), (right + 2..right + 14).any(is_ink))
         };
-        assert_eq!(tips(1e-9), (true, false));
-        assert_eq!(tips(1e-6), (false, false));
+        assert_eq!(tips(1e-6), (true, false));
+        assert_eq!(tips(1e-3), (false, false));
         assert_eq!(tips(1.0), (false, true));
+    }
+
+    /// What the dark-adapted eye sees has no magnitudes, and the legend says who sees.
+    #[test]
+    fn responses_without_magnitudes_have_no_upper_labels() {
+        let sky = grey_sky(|_, _| 1e-3);
+        let options = PictureOptions::new(Projection::Equirectangular);
+        let ink = |response: &Response| {
+            let image = crate::picture(&sky, response, &Horizon::flat(), &options).unwrap();
+            let lit = |x: u32, y: u32| image.get_pixel(x, y).0[0] > 140;
+            (256 + 3..256 + 19)
+                .flat_map(|y| (0..1024).map(move |x| (x, y)))
+                .filter(|&(x, y)| lit(x, y))
+                .count()
+        };
+        assert!(ink(&Response::Photopic) > 100);
+        assert_eq!(ink(&Response::Scotopic), 0);
+        let unseen = crate::picture(&sky, &Response::Sqm, &Horizon::flat(), &options);
+        assert!(matches!(unseen, Err(DisplayError::NotSeen { response: "sqm" })));
     }
 
     /// The legend of made-up light has a line that says so and no other legend has.
@@ -358,7 +398,7 @@ mod tests {
                     ..PictureOptions::new(Projection::Equirectangular)
                 };
                 let invented = PictureOptions { illustrative: true, ..measured };
-                let draw = |options| picture(&Panorama::dark(), &Horizon::flat(), options).unwrap();
+                let draw = |options| picture(&grey_sky(|_, _| 0.0), &Horizon::flat(), options).unwrap();
                 let (plain, noted) = (draw(&measured), draw(&invented));
                 let line_px = noted.height() - plain.height();
                 assert!(line_px >= 18, "{line_px}");
@@ -379,7 +419,7 @@ mod tests {
     fn a_tiny_picture_still_has_room_for_its_legend() {
         let options =
             PictureOptions { width_px: 64, height_px: 64, ..PictureOptions::new(Projection::Fisheye) };
-        let image = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap();
+        let image = picture(&grey_sky(|_, _| 0.0), &Horizon::flat(), &options).unwrap();
         assert_eq!(image.width(), MIN_WIDTH_PX);
     }
 }

@@ -1,20 +1,22 @@
-//! From a panorama to a picture: projections, colour maps, legends, encoders.
+//! From a sky as it is seen to a picture: projections, colour maps, legends, encoders.
 //!
 //! ```text
-//! Panorama -> Sampler -> picture() -> RgbImage    -> encode_png, encode_webp     (for eyes)
+//! SeenSky  -> Sampler -> picture() -> RgbImage    -> encode_png, encode_webp     (for eyes)
 //!                     -> raster()  -> FloatRaster -> encode_exr, encode_tiff     (for programs)
 //! ```
-//! Pictures and rasters have the zenith at the top and north in column 0; [`Panorama`] counts rows from the
+//! Pictures and rasters have the zenith at the top and north in column 0; [`SeenSky`] counts rows from the
 //! horizon up. Exposure and colour range are fixed by the caller or by constants here, never taken from the
 //! picture, so two places can be compared by eye.
 //!
-//! [`Panorama`]: skyglow_physics::Panorama
+//! [`SeenSky`]: skyglow_physics::SeenSky
 
 pub mod colormap;
 mod colour_bins;
 pub mod encode;
 pub mod error;
 pub mod false_colour;
+#[cfg(test)]
+mod fixtures;
 pub mod ground;
 pub mod legend;
 pub mod notes;

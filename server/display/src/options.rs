@@ -7,6 +7,7 @@ use crate::{
     realistic::EXPOSURE_RANGE_EV,
 };
 use serde::{Deserialize, Serialize};
+use skyglow_physics::{Response, photometry::natural_sky_value};
 
 /// Smallest width or height of the sky in a picture, pixels.
 pub const MIN_SIDE_PX: u32 = 16;
@@ -92,17 +93,16 @@ pub enum Sky {
     /// Artificial light alone.
     #[default]
     Artificial,
-    /// With the natural sky: uniform 22.0 mag arcsec⁻², equal radiance in the three bands.
+    /// With the natural sky: uniform 22.0 mag arcsec⁻², as much light at every wavelength.
     Total,
 }
 
 impl Sky {
-    /// Radiance of the natural sky that this choice adds in every band, W m⁻² sr⁻¹.
-    pub fn added_radiance_w_m2_sr(self) -> f64 {
-        use skyglow_physics::photometry::{luminance_cd_m2, natural_sky_luminance_cd_m2};
+    /// What this choice adds of the natural sky in every direction, in the response's unit.
+    pub fn added(self, response: &Response) -> f64 {
         match self {
             Sky::Artificial => 0.0,
-            Sky::Total => natural_sky_luminance_cd_m2() / luminance_cd_m2([1.0; 3]),
+            Sky::Total => natural_sky_value(response),
         }
     }
 }
@@ -110,7 +110,7 @@ impl Sky {
 /// How radiance becomes colour.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Style {
-    /// Luminance through a colour map.
+    /// What the response sees through a colour map.
     FalseColour {
         /// The colour map.
         colormap: Colormap,

@@ -13,7 +13,7 @@ use crate::{
     sampler::{Sampler, taps},
 };
 use image::{Rgb, RgbImage};
-use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, Panorama};
+use skyglow_physics::{Direction, Horizon, Response, SKY_RESPONSES, SeenSky};
 
 /// What is neither sky nor ground that hides it: below an open horizon, the corners of a fisheye, the legend's strip.
 pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
@@ -33,27 +33,33 @@ enum Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    fn new(panorama: &'a Panorama, options: &PictureOptions) -> Self {
-        let added = options.sky.added_radiance_w_m2_sr();
-        match options.style {
+    fn new(seen: &'a SeenSky, response: &Response, options: &PictureOptions) -> Result<Self, DisplayError> {
+        let plane =
+            |of: &Response| seen.seen_by(of).ok_or_else(|| DisplayError::NotSeen { response: of.name() });
+        Ok(match options.style {
             Style::FalseColour { colormap, range } => {
-                let added_cd_m2 = skyglow_physics::photometry::luminance_cd_m2([added; 3]);
+                let added = options.sky.added(response);
                 let (dark, bright) = range.luminance_ends_cd_m2();
                 Painter::FalseColour {
-                    luminance_cd_m2: (0..ELEVATION_COUNT * AZIMUTH_COUNT)
-                        .map(|i| panorama.luminance_cd_m2(i / AZIMUTH_COUNT, i % AZIMUTH_COUNT) + added_cd_m2)
-                        .collect(),
+                    luminance_cd_m2: plane(response)?.iter().map(|value| f64::from(*value) + added).collect(),
                     table: Box::new(colormap.table()),
                     // With room for rounding: the ends themselves are inside.
                     ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
                     bins: Box::new(ColourBins::new((dark, bright))),
                 }
             }
-            Style::Realistic { exposure_ev } => Painter::Realistic {
-                sampler: Sampler::new(panorama, added),
-                tone_map: Box::new(ToneMap::new(exposure_ev)),
-            },
-        }
+            Style::Realistic { exposure_ev } => {
+                let [x, y, z, _] = &SKY_RESPONSES;
+                let xyz = [x, y, z];
+                Painter::Realistic {
+                    sampler: Sampler::new(
+                        [plane(x)?, plane(y)?, plane(z)?],
+                        xyz.map(|response| options.sky.added(response)),
+                    ),
+                    tone_map: Box::new(ToneMap::new(exposure_ev)),
+                }
+            }
+        })
     }
 
     /// The colour of a direction; notes in `beyond` what the colours cannot tell apart from their ends.
@@ -67,26 +73,27 @@ impl<'a> Painter<'a> {
                 Some(table[bins.entry(luminance)])
             }
             Painter::Realistic { sampler, tone_map } => {
-                sampler.radiance_w_m2_sr(direction).map(|radiance| tone_map.rgb(radiance))
+                sampler.values(direction).map(|xyz_cd_m2| tone_map.rgb(xyz_cd_m2))
             }
         }
     }
 }
 
-/// The picture of a panorama: `options.width_px` × `options.height_px` of sky, with the legend's strip below
+/// The picture of a sky as a response sees it, or the light-adapted eye in realistic colours: `options.width_px` × `options.height_px` of sky, with the legend's strip below
 /// it where one is asked for (the canvas is then at least [`legend::MIN_WIDTH_PX`] wide). Below `horizon` the
 /// ground is drawn, by the profile itself and not by the panorama's rows.
 ///
 /// # Errors
 /// [`DisplayError`] naming the first option out of its range.
 pub fn picture(
-    panorama: &Panorama,
+    seen: &SeenSky,
+    response: &Response,
     horizon: &Horizon,
     options: &PictureOptions,
 ) -> Result<RgbImage, DisplayError> {
     options.check()?;
-    let panorama = without_ground(panorama, horizon);
-    let painter = Painter::new(&panorama, options);
+    let seen = without_ground(seen, horizon);
+    let painter = Painter::new(&seen, response, options)?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
@@ -140,7 +147,7 @@ pub fn picture(
     ground.draw_skyline(&mut canvas, offset_px);
     if options.legend {
         legend::draw_compass(&mut canvas, options, &view, offset_px)?;
-        legend::draw_strip(&mut canvas, options, beyond)?;
+        legend::draw_strip(&mut canvas, options, response, beyond)?;
     }
     Ok(canvas)
 }
@@ -182,15 +189,20 @@ pub fn canvas_size_px(options: &PictureOptions) -> (u32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Colormap, ColourRange, Projection, Scale, Sky};
+    use crate::{Colormap, ColourRange, Projection, Scale, Sky, fixtures::grey_sky};
+    use skyglow_physics::AZIMUTH_COUNT;
 
     /// Dark but for one bright sample.
-    fn beacon(row: usize, column: usize) -> Panorama {
-        let mut panorama = Panorama::dark();
-        for band in 0..3 {
-            panorama.samples_mut()[Panorama::index(band, row, column)] = 1.0;
-        }
-        panorama
+    fn beacon(row: usize, column: usize) -> SeenSky {
+        grey_sky(|r, c| if (r, c) == (row, column) { 100.0 } else { 0.0 })
+    }
+
+    fn picture(
+        seen: &SeenSky,
+        horizon: &Horizon,
+        options: &PictureOptions,
+    ) -> Result<RgbImage, DisplayError> {
+        super::picture(seen, &Response::Photopic, horizon, options)
     }
 
     fn plain(projection: Projection, width_px: u32, height_px: u32) -> PictureOptions {
@@ -227,17 +239,17 @@ mod tests {
     /// A picture by rows and columns is that of every direction.
     #[test]
     fn separable_pictures_equal_direct_ones() {
-        let panorama = Panorama::from_samples(
-            (0..Panorama::LEN).map(|i| 1e-9 * (1.0 + ((i * 7919) % 100_003) as f32)).collect(),
-        )
-        .unwrap();
+        let panorama =
+            grey_sky(|row, column| 1e-6 * (1.0 + (((row * AZIMUTH_COUNT + column) * 7919) % 100_003) as f64));
         let hills = (0..AZIMUTH_COUNT).map(|c| 0.2 * (c as f64 * 0.1).sin().max(0.0)).collect();
         for horizon in [Horizon::flat(), Horizon::new(hills).unwrap()] {
             let options = plain(Projection::Equirectangular, 640, 150);
             let fast = picture(&panorama, &horizon, &options).unwrap();
             let shown = without_ground(&panorama, &horizon);
-            let (painter, mut ground) =
-                (Painter::new(&shown, &options), GroundMap::new(&horizon, (640, 150)));
+            let (painter, mut ground) = (
+                Painter::new(&shown, &Response::Photopic, &options).unwrap(),
+                GroundMap::new(&horizon, (640, 150)),
+            );
             let view = View::new(options.projection, 640, 150);
             let mut slow = RgbImage::from_pixel(640, 150, Rgb(GROUND_RGB));
             paint_each(&mut slow, 0, &options, &view, &painter, &mut ground, &mut Beyond::default());
@@ -263,10 +275,7 @@ mod tests {
         assert!(x < 60.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
         let (x, y) = centre_of_light(&picture(&beacon(20, 0), &Horizon::flat(), &options).unwrap());
         assert!(y < 60.0 && (x - 128.0).abs() < 1.0, "{x} {y}");
-        let mut zenith = Panorama::dark();
-        for column in 0..AZIMUTH_COUNT {
-            zenith.samples_mut()[Panorama::index(1, 63, column)] = 1.0;
-        }
+        let zenith = grey_sky(|row, _| if row == 63 { 100.0 } else { 0.0 });
         let (x, y) = centre_of_light(&picture(&zenith, &Horizon::flat(), &options).unwrap());
         assert!((x - 128.0).abs() < 1.0 && (y - 128.0).abs() < 1.0, "{x} {y}");
         let image = picture(&zenith, &Horizon::flat(), &options).unwrap();
@@ -288,8 +297,8 @@ mod tests {
     /// The colour of a known luminance is the one of its place on the map.
     #[test]
     fn known_luminances_have_their_map_colours() {
-        let luminance = skyglow_physics::photometry::luminance_cd_m2([1e-6; 3]);
-        let panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
+        let luminance = 7e-4;
+        let panorama = grey_sky(|_, _| luminance);
         for scale in [Scale::Luminance, Scale::Magnitude] {
             let range = ColourRange::of(scale);
             let mut options = plain(Projection::Equirectangular, 64, 16);
@@ -307,16 +316,19 @@ mod tests {
         let mut options = plain(Projection::Equirectangular, 64, 16);
         let range = ColourRange { scale: Scale::Magnitude, min: 20.0, max: 24.0 };
         options.style = Style::FalseColour { colormap: Colormap::Grey, range };
-        assert_eq!(picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0, [0; 3]);
+        assert_eq!(
+            picture(&grey_sky(|_, _| 0.0), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0,
+            [0; 3]
+        );
         options.sky = Sky::Total;
-        let grey = picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0[0];
+        let grey = picture(&grey_sky(|_, _| 0.0), &Horizon::flat(), &options).unwrap().get_pixel(3, 3).0[0];
         assert!((127..=128).contains(&grey), "{grey}");
     }
 
     #[test]
     fn options_out_of_range_are_refused_by_name() {
         let refused = |options: PictureOptions| {
-            picture(&Panorama::dark(), &Horizon::flat(), &options).unwrap_err().to_string()
+            picture(&grey_sky(|_, _| 0.0), &Horizon::flat(), &options).unwrap_err().to_string()
         };
         assert!(refused(plain(Projection::Fisheye, 0, 100)).contains("width is 0"));
         assert!(refused(plain(Projection::Fisheye, 100, 50_000)).contains("height_px is 50000"));

@@ -7,7 +7,7 @@ use crate::{
     projection::View,
     sampler::{Sampler, taps},
 };
-use skyglow_physics::{BAND_COUNT, Horizon, Panorama};
+use skyglow_physics::{Horizon, Response, SeenSky, spectrum::RGB_BANDS};
 use std::borrow::Cow;
 
 /// Radiance in a projection, zenith at the top. A pixel is found when it is asked for: the largest raster takes no memory for its
@@ -18,24 +18,20 @@ pub struct FloatRaster<'a> {
     pub width_px: u32,
     /// Height, pixels.
     pub height_px: u32,
-    panorama: Cow<'a, Panorama>,
+    seen: Cow<'a, SeenSky>,
     horizon: &'a Horizon,
     view: View,
-    added_radiance_w_m2_sr: f64,
+    added_w_m2_sr: [f64; 3],
 }
 
 impl FloatRaster<'_> {
     /// Radiance in R, G, B of a pixel, W m⁻² sr⁻¹, 0 where terrain hides the sky; None where the projection shows no direction of the
     /// upper hemisphere.
-    pub fn radiance_w_m2_sr(&self, x: u32, y: u32) -> Option<[f32; BAND_COUNT]> {
+    pub fn radiance_w_m2_sr(&self, x: u32, y: u32) -> Option<[f32; 3]> {
         let direction = self.view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5)?;
-        let radiance =
-            Sampler::new(&self.panorama, self.added_radiance_w_m2_sr).radiance_w_m2_sr(direction)?;
-        Some(if self.horizon.hides(direction) {
-            [0.0; BAND_COUNT]
-        } else {
-            radiance.map(|radiance| radiance as f32)
-        })
+        let plane = |band: &Response| self.seen.seen_by(band).unwrap_or_default();
+        let radiance = Sampler::new(RGB_BANDS.each_ref().map(plane), self.added_w_m2_sr).values(direction)?;
+        Some(if self.horizon.hides(direction) { [0.0; 3] } else { radiance.map(|radiance| radiance as f32) })
     }
 
     /// Whether every pixel shows a direction of the upper hemisphere.
@@ -48,13 +44,13 @@ impl FloatRaster<'_> {
     }
 }
 
-/// A panorama in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0, the natural sky
+/// The radiance of a sky in R, G, B, which [`RGB_BANDS`] see, in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0, the natural sky
 /// included.
 ///
 /// # Errors
 /// [`DisplayError`] naming the size or angle out of its range.
 pub fn raster<'a>(
-    panorama: &'a Panorama,
+    seen: &'a SeenSky,
     horizon: &'a Horizon,
     projection: Projection,
     (width_px, height_px): (u32, u32),
@@ -62,34 +58,37 @@ pub fn raster<'a>(
 ) -> Result<FloatRaster<'a>, DisplayError> {
     check_size(width_px, height_px)?;
     projection.check()?;
+    if let Some(band) = RGB_BANDS.iter().find(|band| seen.seen_by(band).is_none()) {
+        return Err(DisplayError::NotSeen { response: band.name() });
+    }
     Ok(FloatRaster {
         width_px,
         height_px,
-        panorama: without_ground(panorama, horizon),
+        seen: without_ground(seen, horizon),
         horizon,
         view: View::new(projection, width_px, height_px),
-        added_radiance_w_m2_sr: sky.added_radiance_w_m2_sr(),
+        added_w_m2_sr: RGB_BANDS.each_ref().map(|band| sky.added(band)),
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::bands_sky;
     use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT};
 
     /// The default raster is the grid turned upside down bit for bit.
     #[test]
     fn the_default_raster_is_the_flipped_grid() {
-        let samples = (0..Panorama::LEN).map(|i| 1e-9 * (i as f32 + 1.0)).collect();
-        let panorama = Panorama::from_samples(samples).unwrap();
+        let sky = bands_sky(|i| 1e-9 * (i as f32 + 1.0));
         let size = Projection::Equirectangular.default_raster_size_px();
         let flat = Horizon::flat();
-        let raster = raster(&panorama, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let raster = raster(&sky, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
                 let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
-                for band in 0..BAND_COUNT {
-                    let sample = panorama.samples()[Panorama::index(band, row, column)];
+                for band in 0..3 {
+                    let sample = sky.plane(band)[row * AZIMUTH_COUNT + column];
                     assert_eq!(pixel.unwrap()[band], sample, "{band} {row} {column}");
                 }
             }
@@ -102,15 +101,15 @@ mod tests {
     fn ground_is_0_in_rasters_by_the_grids_mask() {
         let elevations = (0..AZIMUTH_COUNT).map(|column| 0.002 * column as f64).collect();
         let horizon = Horizon::new(elevations).unwrap();
-        let mut panorama = Panorama::from_samples(vec![1e-6; Panorama::LEN]).unwrap();
-        horizon.darken(&mut panorama);
+        let hidden = |i: usize| horizon.hides_sample(i / AZIMUTH_COUNT % ELEVATION_COUNT, i % AZIMUTH_COUNT);
+        let seen = bands_sky(|i| if hidden(i) { 0.0 } else { 1e-6 });
         let size = Projection::Equirectangular.default_raster_size_px();
         for sky in [Sky::Artificial, Sky::Total] {
-            let raster = raster(&panorama, &horizon, Projection::Equirectangular, size, sky).unwrap();
+            let raster = raster(&seen, &horizon, Projection::Equirectangular, size, sky).unwrap();
             for row in 0..ELEVATION_COUNT {
                 for column in 0..AZIMUTH_COUNT {
                     let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
-                    let is_dark = pixel.unwrap() == [0.0; BAND_COUNT];
+                    let is_dark = pixel.unwrap() == [0.0; 3];
                     assert_eq!(is_dark, horizon.hides_sample(row, column), "{row} {column}");
                 }
             }

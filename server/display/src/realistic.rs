@@ -1,6 +1,4 @@
-//! The sky as a camera would show it: three bands to sRGB at a fixed exposure.
-
-use skyglow_physics::BAND_COUNT;
+//! The sky as a camera would show it: X, Y, Z to sRGB at a fixed exposure.
 
 /// Allowed exposures, stops.
 pub const EXPOSURE_RANGE_EV: (f64, f64) = (-12.0, 12.0);
@@ -15,25 +13,9 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// CIE 1931 colour matching functions at a wavelength (Wyman, Sloan, Shirley 2013, multi-lobe fit).
-fn colour_matching_xyz(wavelength_nm: f64) -> [f64; 3] {
-    let lobe = |centre: f64, low: f64, high: f64| {
-        let t = (wavelength_nm - centre) * if wavelength_nm < centre { low } else { high };
-        (-0.5 * t * t).exp()
-    };
-    [
-        0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323)
-            - 0.065 * lobe(501.1, 0.0490, 0.0382),
-        0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322),
-        1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725),
-    ]
-}
-
 /// Tone mapping at one exposure.
 #[derive(Clone, Debug)]
 pub struct ToneMap {
-    /// Linear sRGB [cd m⁻²] of 1 W m⁻² sr⁻¹ in each band: `[channel][band]`.
-    srgb_from_bands_cd_w: [[f64; BAND_COUNT]; 3],
     /// Scene luminance that counts as 1 before the film curve, cd m⁻².
     reference_luminance_cd_m2: f64,
     /// The sRGB curve inverted: byte `i + 1` starts at `byte_starts[i]`, of display white.
@@ -42,48 +24,24 @@ pub struct ToneMap {
 
 impl ToneMap {
     /// A tone map `exposure_ev` stops above the reference.
-    ///
-    /// Each band (600–700, 500–600, 400–500 nm) has the chromaticity of its mean colour matching functions,
-    /// scaled so that its luminance is the model's K_b. The mean is weighted as lamps shine: sodium and
-    /// phosphors send most of their light near 600 nm, so the weight falls linearly from there through the
-    /// red band and through the green one; the blue one is flat. Flat bands would make sodium yellow-green;
-    /// so weighted, high-pressure sodium has the chromaticity (0.474, 0.467) where its spectrum has
-    /// (0.519, 0.418), and the 4000 K LED (0.425, 0.410) where it has (0.380, 0.377).
     pub fn new(exposure_ev: f64) -> Self {
-        const BAND_START_NM: [f64; BAND_COUNT] = [600.0, 500.0, 400.0];
-        const STEPS: usize = 100;
-        let mut srgb_from_bands_cd_w = [[0.0; BAND_COUNT]; 3];
-        for (band, start_nm) in BAND_START_NM.into_iter().enumerate() {
-            let mut xyz = [0.0; 3];
-            for step in 0..STEPS {
-                let wavelength_nm = start_nm + step as f64 + 0.5;
-                let weight = if start_nm < 500.0 { 1.0 } else { 1.0 - (wavelength_nm - 600.0).abs() / 100.0 };
-                let at = colour_matching_xyz(wavelength_nm);
-                (0..3).for_each(|i| xyz[i] += weight * at[i]);
-            }
-            let scale = skyglow_physics::Band::ALL[band].luminous_efficacy_lm_w() / xyz[1];
-            for (channel, row) in SRGB_FROM_XYZ.iter().enumerate() {
-                srgb_from_bands_cd_w[channel][band] =
-                    scale * row.iter().zip(xyz).map(|(m, v)| m * v).sum::<f64>();
-            }
-        }
         // 1 − exp(−x) is 0.18 at x = 0.198.
         let reference_luminance_cd_m2 =
             MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
         let byte_starts = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
-        Self { srgb_from_bands_cd_w, reference_luminance_cd_m2, byte_starts }
+        Self { reference_luminance_cd_m2, byte_starts }
     }
 
-    /// sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹].
+    /// sRGB bytes of tristimulus values X, Y, Z [cd m⁻²] of the CIE 1931 observer.
     ///
     /// Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x)
     /// is that of the brightest channel; the others keep their ratio to it and come up to it as it nears white.
     /// So bright light turns white and keeps its hue on the way, where channels that saturate apart turn orange
     /// yellow.
-    pub fn rgb(&self, radiance_w_m2_sr: [f64; BAND_COUNT]) -> [u8; 3] {
+    pub fn rgb(&self, xyz_cd_m2: [f64; 3]) -> [u8; 3] {
         let linear: [f64; 3] = std::array::from_fn(|channel| {
-            let row = &self.srgb_from_bands_cd_w[channel];
-            row.iter().zip(radiance_w_m2_sr).map(|(m, l)| m * l).sum::<f64>() / self.reference_luminance_cd_m2
+            let row = &SRGB_FROM_XYZ[channel];
+            row.iter().zip(xyz_cd_m2).map(|(m, v)| m * v).sum::<f64>() / self.reference_luminance_cd_m2
         });
         let grey = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
         let lowest = linear.iter().copied().fold(f64::INFINITY, f64::min);
@@ -112,12 +70,12 @@ fn decode_srgb(encoded: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use skyglow_physics::{Lamp, LampPreset, photometry::luminance_cd_m2};
+    use skyglow_physics::{Lamp, LampPreset, spectrum::Colour};
 
-    /// A radiance with the lamp's colours and a given luminance.
+    /// X, Y, Z of a lamp's light with a luminance, cd m⁻².
     fn light_of(lamp: Lamp, luminance: f64) -> [f64; 3] {
-        let scale = luminance / luminance_cd_m2(lamp.flux_per_dnb_flux);
-        lamp.flux_per_dnb_flux.map(|s| s * scale)
+        let xyz = Colour::of(lamp.light().spectrum()).unwrap().xyz;
+        xyz.map(|value| value * luminance / xyz[1])
     }
 
     /// Middle grey is 18 percent and every stop doubles the light.

@@ -1,6 +1,6 @@
-//! Bilinear sampling of a panorama at any direction.
+//! Bilinear sampling of a sky at any direction.
 
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The four grid samples around a direction, with weights that sum to 1.
@@ -47,28 +47,26 @@ pub fn taps(direction: Direction) -> Option<Taps> {
     })
 }
 
-/// A panorama ready to be looked at in any direction.
+/// Three planes of a sky ready to be looked at in any direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<'a> {
-    panorama: &'a Panorama,
-    added_radiance_w_m2_sr: f64,
+    planes: [&'a [f32]; 3],
+    added: [f64; 3],
 }
 
 impl<'a> Sampler<'a> {
-    /// Looks at `panorama` with `added_radiance_w_m2_sr` (≥ 0) added in every band and direction.
-    pub fn new(panorama: &'a Panorama, added_radiance_w_m2_sr: f64) -> Self {
-        Self { panorama, added_radiance_w_m2_sr }
+    /// Looks at planes, `[row][column]` each, with `added` (≥ 0) of each in every direction.
+    pub fn new(planes: [&'a [f32]; 3], added: [f64; 3]) -> Self {
+        Self { planes, added }
     }
 
-    /// Radiance in R, G, B, W m⁻² sr⁻¹; None below the horizon.
-    pub fn radiance_w_m2_sr(&self, direction: Direction) -> Option<[f64; BAND_COUNT]> {
+    /// The value of each plane, in its unit; None below the horizon.
+    pub fn values(&self, direction: Direction) -> Option<[f64; 3]> {
         let taps = taps(direction)?;
-        let samples = self.panorama.samples();
-        Some(std::array::from_fn(|band| {
-            let start = band * ELEVATION_COUNT * AZIMUTH_COUNT;
-            let sum: f64 =
-                (0..4).map(|tap| taps.weight[tap] * f64::from(samples[start + taps.offset[tap]])).sum();
-            sum + self.added_radiance_w_m2_sr
+        Some(std::array::from_fn(|plane| {
+            let values = self.planes[plane];
+            let sum: f64 = (0..4).map(|tap| taps.weight[tap] * f64::from(values[taps.offset[tap]])).sum();
+            sum + self.added[plane]
         }))
     }
 }
@@ -78,19 +76,29 @@ mod tests {
     use super::*;
     use skyglow_physics::panorama::{azimuth_rad, elevation_rad};
 
-    fn numbered() -> Panorama {
-        Panorama::from_samples((0..Panorama::LEN).map(|i| i as f32).collect()).unwrap()
+    const COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
+
+    fn numbered() -> Vec<f32> {
+        (0..3 * COUNT).map(|i| i as f32).collect()
+    }
+
+    fn sampler(values: &[f32]) -> Sampler<'_> {
+        Sampler::new(std::array::from_fn(|plane| &values[plane * COUNT..][..COUNT]), [0.0; 3])
+    }
+
+    fn at(plane: usize, row: usize, column: usize) -> usize {
+        plane * COUNT + row * AZIMUTH_COUNT + column
     }
 
     #[test]
     fn a_grid_direction_gives_exactly_its_sample() {
-        let panorama = numbered();
-        let sampler = Sampler::new(&panorama, 0.0);
+        let values = numbered();
+        let sampler = sampler(&values);
         for (row, column) in [(0, 0), (63, 255), (17, 128), (63, 0)] {
             let direction = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) };
-            let radiance = sampler.radiance_w_m2_sr(direction).unwrap();
-            for (band, value) in radiance.iter().enumerate() {
-                let expected = panorama.radiance_w_m2_sr(band, row, column);
+            let seen = sampler.values(direction).unwrap();
+            for (band, value) in seen.iter().enumerate() {
+                let expected = f64::from(values[at(band, row, column)]);
                 assert!((value - expected).abs() < 1e-6 * expected.max(1.0), "{row} {column} {band}");
             }
         }
@@ -99,34 +107,34 @@ mod tests {
     /// Between the last and the first column the sky wraps.
     #[test]
     fn azimuth_wraps_at_the_last_column() {
-        let mut panorama = Panorama::dark();
-        panorama.samples_mut()[Panorama::index(0, 5, 255)] = 2.0;
-        panorama.samples_mut()[Panorama::index(0, 5, 0)] = 4.0;
+        let mut values = vec![0.0; 3 * COUNT];
+        values[at(0, 5, 255)] = 2.0;
+        values[at(0, 5, 0)] = 4.0;
         let direction =
             Direction { azimuth_rad: azimuth_rad(255) + TAU / 512.0, elevation_rad: elevation_rad(5) };
-        let radiance = Sampler::new(&panorama, 0.0).radiance_w_m2_sr(direction).unwrap();
-        assert!((radiance[0] - 3.0).abs() < 1e-9, "{radiance:?}");
+        let seen = sampler(&values).values(direction).unwrap();
+        assert!((seen[0] - 3.0).abs() < 1e-9, "{seen:?}");
     }
 
     #[test]
     fn the_sky_is_continuous_across_the_zenith() {
         // A gradient from south to north: L = 10 + x with x the northward component of the direction.
-        let mut panorama = Panorama::dark();
+        let mut values = vec![0.0; 3 * COUNT];
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
                 let v =
                     Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) }.enu();
-                panorama.samples_mut()[Panorama::index(1, row, column)] = (10.0 + v.y) as f32;
+                values[at(1, row, column)] = (10.0 + v.y) as f32;
             }
         }
-        let sampler = Sampler::new(&panorama, 0.0);
+        let sampler = sampler(&values);
         for azimuth in [0.0, 0.7, 2.0, 4.5] {
             for offset_deg in [0.0, 0.1, 0.35, 0.69, 0.71] {
                 let direction = Direction {
                     azimuth_rad: azimuth,
                     elevation_rad: FRAC_PI_2 - f64::to_radians(offset_deg),
                 };
-                let value = sampler.radiance_w_m2_sr(direction).unwrap()[1];
+                let value = sampler.values(direction).unwrap()[1];
                 let exact = 10.0 + direction.enu().y;
                 assert!((value - exact).abs() < 2e-5, "{azimuth} {offset_deg}: {value} {exact}");
             }
@@ -136,9 +144,9 @@ mod tests {
     /// Nothing is seen below the horizon and the lowest row reaches down to it.
     #[test]
     fn the_lowest_row_reaches_the_horizon() {
-        let panorama = numbered();
-        let sampler = Sampler::new(&panorama, 0.0);
-        let at = |elevation_rad| sampler.radiance_w_m2_sr(Direction { azimuth_rad: 0.0, elevation_rad });
+        let values = numbered();
+        let sampler = sampler(&values);
+        let at = |elevation_rad| sampler.values(Direction { azimuth_rad: 0.0, elevation_rad });
         assert_eq!(at(-1e-6), None);
         assert_eq!(at(f64::NAN), None);
         assert_eq!(at(0.0), at(elevation_rad(0)));

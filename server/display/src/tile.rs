@@ -2,6 +2,7 @@
 
 use crate::{encode::encode_png_rgba, error::DisplayError, notes::Notes};
 use image::{Rgba, RgbaImage};
+use skyglow_physics::{Response, photometry::natural_sky_value};
 
 /// Radiances that the colours of a radiance tile run between, nW cm⁻² sr⁻¹ (logarithmic).
 pub const RADIANCE_RANGE_NW_CM2_SR: (f64, f64) = (0.2, 200.0);
@@ -21,23 +22,26 @@ const TINTS: [(f32, [f32; 3]); 8] = [
 /// Factor from the brightest colour of an influence tile to where colours end.
 pub const INFLUENCE_SPAN: f64 = 1e4;
 
-/// Luminances of artificial light that the colours of a brightness tile run between, cd m⁻² (logarithmic): from a hundredth of the
-/// natural sky of 22.0 mag arcsec⁻², where light pollution begins to count, to forty times that.
-pub const BRIGHTNESS_RANGE_CD_M2: (f64, f64) = (1.71e-6, 6.84e-3);
+/// Ends of the colours of a brightness tile, in the response's unit (logarithmic): from a hundredth of the natural sky, where light
+/// pollution begins to count, to forty times that.
+pub fn brightness_range(response: &Response) -> (f64, f64) {
+    let natural = natural_sky_value(response);
+    (0.01 * natural, 40.0 * natural)
+}
 
-/// A square tile of the artificial luminance at the zenith [cd m⁻²], `[y][x]`: less than a hundredth of the natural sky is
-/// transparent, more runs through the `plasma` map on a logarithmic scale.
+/// A square tile of artificial light at the zenith, `[y][x]`: less than the lower end of `range` is transparent, more runs through the
+/// `plasma` map on a logarithmic scale.
 ///
 /// # Errors
 /// [`DisplayError::Encoding`] when the lengths are not `size_px²`.
 pub fn brightness_tile_png(
-    luminance_cd_m2: &[f32],
+    values: &[f32],
     has_data: &[bool],
     size_px: u32,
+    range: (f64, f64),
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
-    let range = BRIGHTNESS_RANGE_CD_M2;
-    logarithmic_tile_png(luminance_cd_m2, has_data, size_px, crate::Colormap::Plasma, range, notes)
+    logarithmic_tile_png(values, has_data, size_px, crate::Colormap::Plasma, range, notes)
 }
 
 /// A square tile of upward radiance [nW cm⁻² sr⁻¹], `[y][x]`: dark is transparent, light runs through the

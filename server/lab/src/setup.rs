@@ -3,7 +3,7 @@
 use crate::class_errors::JudgeError;
 use skyglow_observatory::{Observatory, ObserverHeight, SkyRequest};
 use skyglow_physics::{
-    Atmosphere, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    Atmosphere, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
 };
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, resident_tables};
@@ -47,6 +47,7 @@ pub fn open_sky(scene: SceneId, place: GeoPoint, turbidity: Turbidity) -> SkyReq
         turbidity,
         scattering: Scattering::Multiple,
         cloud_base_m: None,
+        response: Response::Photopic,
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang().into(),
         basis: None,
@@ -69,7 +70,7 @@ pub fn clear_sky(
         scattering,
         cloud_base_m: None,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
         basis: None,
     }
 }

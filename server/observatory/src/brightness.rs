@@ -7,7 +7,7 @@ use crate::{
     scene_view::SceneView,
 };
 use serde::Serialize;
-use skyglow_physics::{Emission, GeoPoint, Lamp, Turbidity};
+use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
@@ -37,6 +37,8 @@ pub struct BrightnessRequest {
     pub scattering: Scattering,
     /// The lamp.
     pub lamp: Lamp,
+    /// What sees the sky.
+    pub response: Response,
     /// Where lamps send their light, and what of them the satellite's radiance says.
     pub emission: Emission,
     /// Whether terrain hides the low light of lamps behind it.
@@ -51,11 +53,14 @@ impl BrightnessRequest {
     }
 }
 
-/// The artificial luminance at the zenith (the mean within 5° of it), cd m⁻², at places all over a scene.
+/// What the response of a request sees of artificial light at the zenith (the mean within 5° of it), in its unit, at places all over a
+/// scene.
 #[derive(Clone, Debug)]
 pub struct BrightnessMap {
     scene: Arc<Scene>,
     places: PlaceValues,
+    /// What sees the sky.
+    pub response: Response,
     /// How long each step took.
     pub steps: Vec<(&'static str, Duration)>,
 }
@@ -71,12 +76,12 @@ impl BrightnessMap {
         &self.scene
     }
 
-    /// Luminance at the places, cd m⁻²; NaN where the ground is higher than the packs reach.
+    /// What is seen at the places, in the unit of [`Self::response`]; NaN where the ground is higher than the packs reach.
     pub fn places(&self) -> &PlaceValues {
         &self.places
     }
 
-    /// A map tile, cd m⁻².
+    /// A map tile.
     ///
     /// # Errors
     /// [`ObservatoryError::Scene`] for a tile that does not exist.
@@ -148,7 +153,7 @@ impl Observatory {
             scattering: request.scattering,
             cloud_base_m: None,
             emission: request.emission.mix(),
-            flux_per_dnb_flux: request.lamp.flux_per_dnb_flux,
+            flux_per_dnb_flux: [1.0; BAND_COUNT],
             basis: None,
         };
         let set = self.engine.table_set();
@@ -168,7 +173,7 @@ impl Observatory {
         let dark_places = || altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect::<Vec<f32>>();
         let hides = request.terrain_hides && self.hides_lights(request.kind());
         let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
-            return map(scene, lattice, dark_places(), steps);
+            return map(scene, (lattice, &request.response), dark_places(), steps);
         };
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
@@ -177,12 +182,12 @@ impl Observatory {
             let at_pack =
                 to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
             let kernel = |fixture: &skyglow_physics::Fixture| {
-                let (emission, flux_per_dnb_flux) = request
-                    .emission
-                    .of_fixture(fixture, &request.lamp)
-                    .map_err(ObservatoryError::Emission)?;
+                let (emission, flux_factor) =
+                    request.emission.of_fixture(fixture).map_err(ObservatoryError::Emission)?;
+                let flux_per_dnb_flux = [flux_factor; BAND_COUNT];
                 let of_fixture = RenderRequest { emission, flux_per_dnb_flux, ..at_pack.clone() };
-                zenith_kernel(solver, &of_fixture, &range, hides)
+                let rule = fixture.light(&request.lamp).rule(&request.response);
+                zenith_kernel(solver, &of_fixture, &rule, &range, hides)
             };
             let kernels: Vec<PlaceKernel> =
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
@@ -192,11 +197,11 @@ impl Observatory {
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");
         }
-        let luminance_cd_m2 = match of_packs.len() {
+        let values = match of_packs.len() {
             1 => of_packs.swap_remove(0),
             _ => blended(&of_packs, stencil.weights()),
         };
-        map(scene, lattice, luminance_cd_m2, steps)
+        map(scene, (lattice, &request.response), values, steps)
     }
 }
 
@@ -225,12 +230,12 @@ impl PatchStore for OfPack<'_> {
 
 fn map(
     scene: Arc<Scene>,
-    lattice: skyglow_scene::PlaceLattice,
-    luminance_cd_m2: Vec<f32>,
+    (lattice, response): (skyglow_scene::PlaceLattice, &Response),
+    values: Vec<f32>,
     steps: Vec<(&'static str, Duration)>,
 ) -> Result<BrightnessMap, ObservatoryError> {
-    let places = PlaceValues::new(lattice, luminance_cd_m2).ok_or(RenderError::Stopped)?;
-    Ok(BrightnessMap { scene, places, steps })
+    let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
+    Ok(BrightnessMap { scene, places, response: response.clone(), steps })
 }
 
 /// The logarithms of what the packs say, with their weights; 0 where one says 0.

@@ -2,7 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
-    influence::{InfluenceSolver, MeasureOfCells, influence_of_pixels},
+    influence::{InfluenceSolver, MeasureOfCells, SeenMeasure, influence_of_pixels},
     influence_cache::{LightAround, MIN_ENTRY_BYTES},
     influence_part::Part,
     observatory::Observatory,
@@ -12,7 +12,9 @@ use crate::{
 };
 use rayon::prelude::*;
 use serde::Serialize;
-use skyglow_physics::{Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M};
+use skyglow_physics::{
+    Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M, spectrum::SpectralRule,
+};
 use skyglow_render::{RenderError, request::RenderRequest};
 use skyglow_scene::{LightShares, LitPixel, NearLight, PixelValues, RasterTile, Scene, SceneMetadata};
 use std::{
@@ -47,12 +49,13 @@ impl Measure {
         })
     }
 
-    /// Its unit, in ASCII.
-    pub const fn unit(&self) -> &'static str {
+    /// Its unit, in ASCII, where what sees the sky has the unit `of_response`.
+    pub fn unit(&self, of_response: &str) -> String {
         match self {
-            Measure::Norm => "cd m-2 sr0.5",
-            Measure::Zenith | Measure::Mean | Measure::Region(_) => "cd m-2",
-            Measure::Horizontal => "lx",
+            Measure::Norm => format!("{of_response} sr0.5"),
+            Measure::Zenith | Measure::Mean | Measure::Region(_) => of_response.to_owned(),
+            Measure::Horizontal if of_response == "cd m-2" => "lx".to_owned(),
+            Measure::Horizontal => of_response.trim_end_matches(" sr-1").to_owned(),
         }
     }
 }
@@ -171,11 +174,13 @@ impl Observatory {
         for part in &of_sky {
             basis_count = basis_count.max(solver.basis_count(part)?);
         }
-        let of_cells = weights.as_ref().map_or(MeasureOfCells::Norm, MeasureOfCells::Linear);
         let mut parts = Vec::new();
         let part_count = of_sky.len() as f64;
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
-        for (of_sky, lights) in of_sky.iter().zip(shares.iter()) {
+        for ((of_sky, lights), (fixture, _)) in of_sky.iter().zip(shares.iter()).zip(&surroundings.lights) {
+            let rule = &*fixture.light(&sky.lamp).rule(&sky.response);
+            let seen = weights.as_ref().map(|measure| SeenMeasure { measure, rule });
+            let of_cells = seen.map_or(MeasureOfCells::Norm(rule), MeasureOfCells::Linear);
             let done = parts.len() as f64 / part_count;
             note(watch, done)?;
             // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
@@ -185,12 +190,12 @@ impl Observatory {
             let (mut influence, scale) = influence_of_pixels(lights, &found.cells, found.of_sky);
             step("pixels");
             if request.measure == Measure::Norm {
-                near_norms(solver, of_sky, lights, &mut influence, &|| watch(done))?;
+                near_norms(solver, (of_sky, rule), lights, &mut influence, &|| watch(done))?;
                 step("near pixels");
             }
             let value = found.of_sky.unwrap_or(0.0);
             (before_scaling, after_scaling) = (before_scaling + value / scale, after_scaling + value);
-            if let Some(measure) = &weights {
+            if let Some(measure) = seen {
                 add_near_lights(solver, &of_pixels, of_sky, measure, lights, &mut influence)?;
                 step("near lights");
             }
@@ -219,7 +224,7 @@ fn add_near_lights(
     solver: &InfluenceSolver,
     of_pixels: &RenderRequest,
     of_sky: &RenderRequest,
-    measure: &LinearMeasure,
+    measure: SeenMeasure<'_>,
     lights: &LightShares,
     influence: &mut [f32],
 ) -> Result<(), ObservatoryError> {
@@ -256,7 +261,7 @@ fn together(mut parts: Vec<(Arc<[LitPixel]>, Vec<f32>)>) -> (Arc<[LitPixel]>, Ve
 /// different directions do not make each other brighter. Each is rendered alone.
 fn near_norms(
     solver: &InfluenceSolver,
-    sky: &RenderRequest,
+    (sky, rule): (&RenderRequest, &SpectralRule),
     lights: &LightShares,
     influence: &mut [f32],
     goes_on: &(dyn Fn() -> bool + Sync),
@@ -269,7 +274,7 @@ fn near_norms(
         if !goes_on() {
             return Err(RenderError::Stopped.into());
         }
-        solver.norm(&RenderRequest { polar: Arc::new(lights.alone(position)), ..sky.clone() })
+        solver.norm(&RenderRequest { polar: Arc::new(lights.alone(position)), ..sky.clone() }, rule)
     };
     let norms: Vec<f64> = near.par_iter().map(norm).collect::<Result<_, _>>()?;
     for (position, norm) in near.into_iter().zip(norms) {

@@ -25,7 +25,7 @@ pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES}
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use error::ObservatoryError;
-pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, influence_of_pixels};
+pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, SeenMeasure, influence_of_pixels};
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_part::Part;
 pub use influence_summary::{RING_EDGES_M, SECTOR_COUNT};

@@ -148,7 +148,7 @@ impl Observatory {
         };
         let (surroundings, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| RenderError::Stopped)??;
-        let rendered = self.engine.render_together(&to_render).await?;
+        let rendered = self.engine.render_each(&to_render).await?;
         Ok(surroundings.finish(&request, rendered, bound))
     }
 
@@ -168,7 +168,7 @@ impl Observatory {
         request: &SkyRequest,
     ) -> Result<RenderedSky, ObservatoryError> {
         let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
-        let rendered = self.engine.render_together_blocking(&to_render)?;
+        let rendered = self.engine.render_each_blocking(&to_render)?;
         Ok(surroundings.finish(request, rendered, bound))
     }
 

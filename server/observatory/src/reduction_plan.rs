@@ -2,7 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
-    influence::luminance_norm,
+    influence::norm_of_values,
     influence_map::{InfluenceMap, InfluenceRequest},
     observatory::Observatory,
     plan_request::{
@@ -214,8 +214,7 @@ impl Observatory {
         let surroundings = Surroundings::on_ground(scene.ground(sky.place), scene, sky, hides_lights);
         let sky = self.render(surroundings, sky)?;
         let weights = site.measure.weights(&sky.horizon);
-        let value =
-            weights.map_or_else(|| luminance_norm(&sky.panorama), |weights| weights.of(&sky.panorama));
+        let value = weights.map_or_else(|| norm_of_values(sky.values()), |weights| weights.of(sky.values()));
         Ok(SkyState { value, sky })
     }
 }

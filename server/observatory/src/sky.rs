@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Panorama, SkyQuantities, Turbidity,
+    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Response, SKY_RESPONSES, SeenSky, SkyCover,
+    SkyNumbers, SkyPart, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -46,6 +47,8 @@ pub struct SkyRequest {
     pub cloud_base_m: Option<u32>,
     /// The lamp.
     pub lamp: Lamp,
+    /// What sees the sky.
+    pub response: Response,
     /// Where lamps send their light, and what of them the satellite's radiance says.
     pub emission: Emission,
     /// Basis functions; None for all, or for as many as the tolerance needs.
@@ -90,8 +93,12 @@ pub struct RenderContext {
 /// A rendered sky.
 #[derive(Clone, Debug)]
 pub struct RenderedSky {
-    /// Radiance of artificial light, 0 below the horizon.
-    pub panorama: Panorama,
+    /// Its kinds of light with their kernels, 0 below the horizon.
+    pub parts: Vec<SkyPart>,
+    /// Artificial light as [`SKY_RESPONSES`] and the response of the request see it, 0 below the horizon.
+    pub seen: SeenSky,
+    /// What sees the sky.
+    pub response: Response,
     /// Below it terrain hides the sky; flat where nothing does.
     pub horizon: Horizon,
     /// The reported quantities, of the sky above the horizon.
@@ -100,4 +107,32 @@ pub struct RenderedSky {
     pub context: RenderContext,
     /// Time of each pass, for the batch it was in; before them `horizon`, where one was computed.
     pub passes: Vec<PassTime>,
+}
+
+impl RenderedSky {
+    /// The sky of parts over an open horizon, of which what lies below `horizon` becomes dark.
+    pub fn new(
+        request: &SkyRequest,
+        mut parts: Vec<SkyPart>,
+        horizon: Horizon,
+        context: RenderContext,
+    ) -> Self {
+        parts.iter_mut().for_each(|part| horizon.darken(&mut part.kernel));
+        let mut responses = SKY_RESPONSES.to_vec();
+        if !responses.contains(&request.response) {
+            responses.push(request.response.clone());
+        }
+        let seen = SeenSky::of(&parts, &responses);
+        let cover = SkyCover::with_clouds(request.cloud_base_m.is_some());
+        let numbers =
+            SkyNumbers { parts: &parts, seen: &seen, horizon: &horizon, response: &request.response };
+        let quantities = SkyQuantities::under(cover, numbers);
+        let response = request.response.clone();
+        Self { parts, seen, response, horizon, quantities, context, passes: Vec::new() }
+    }
+
+    /// What the response of the request sees, `[row][column]`, in its unit.
+    pub fn values(&self) -> &[f32] {
+        self.seen.seen_by(&self.response).unwrap_or_default()
+    }
 }

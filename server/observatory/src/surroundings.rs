@@ -5,9 +5,7 @@ use crate::{
     scene_view::SceneView,
     sky::{RenderContext, RenderedSky, SkyRequest},
 };
-use skyglow_physics::{
-    Atmosphere, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyCover, SkyQuantities,
-};
+use skyglow_physics::{Atmosphere, BAND_COUNT, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyPart};
 use skyglow_render::{
     PassTime,
     request::{RenderRequest, Rendered},
@@ -98,7 +96,7 @@ impl Surroundings {
         basis: &BasisChooser,
     ) -> Result<(Vec<RenderRequest>, Option<f64>), ObservatoryError> {
         let part = |(fixture, polar): &FixtureLight| {
-            let (emission, flux_per_dnb_flux) = request.emission.of_fixture(fixture, &request.lamp)?;
+            let (emission, flux_factor) = request.emission.of_fixture(fixture)?;
             Ok(RenderRequest {
                 polar: Arc::clone(polar),
                 observer_altitude_m: self.altitude_m,
@@ -106,7 +104,7 @@ impl Surroundings {
                 scattering: request.scattering,
                 cloud_base_m: request.cloud_base_m,
                 emission,
-                flux_per_dnb_flux,
+                flux_per_dnb_flux: [flux_factor; BAND_COUNT],
                 basis: request.basis,
             })
         };
@@ -126,26 +124,38 @@ impl Surroundings {
         Ok((parts, Some(together * bound)))
     }
 
-    /// The sky with what it depends on, dark below the horizon.
+    /// The sky with what it depends on, dark below the horizon; `rendered` is one sky for each kind of fixture.
     pub(crate) fn finish(
         self,
         request: &SkyRequest,
-        rendered: Rendered,
+        rendered: Vec<Rendered>,
         basis_error_bound: Option<f64>,
     ) -> RenderedSky {
-        let context = self.context(request, rendered.basis_count, basis_error_bound);
+        let basis_count = rendered.iter().map(|rendered| rendered.basis_count).max().unwrap_or_default();
+        let context = self.context(request, basis_count, basis_error_bound);
+        let lights: Vec<_> = self.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp)).collect();
         let (horizon, time) = self.horizon.unzip();
-        let horizon = horizon.unwrap_or_default();
         let time = time.map(|time| PassTime { name: "horizon", microseconds: 1e6 * time.as_secs_f64() });
-        let mut panorama = rendered.panorama;
-        horizon.darken(&mut panorama);
-        let cover = SkyCover::with_clouds(request.cloud_base_m.is_some());
-        RenderedSky {
-            quantities: SkyQuantities::under(cover, &panorama, &horizon),
-            panorama,
-            horizon,
-            context,
-            passes: time.into_iter().chain(rendered.passes).collect(),
+        let passes = time.into_iter().chain(times_together(&rendered)).collect();
+        let parts = lights.into_iter().zip(rendered);
+        let parts = parts.map(|(light, rendered)| SkyPart { light, kernel: rendered.panorama }).collect();
+        RenderedSky { passes, ..RenderedSky::new(request, parts, horizon.unwrap_or_default(), context) }
+    }
+}
+
+/// Times of passes of all parts together: parts of one batch have its times.
+fn times_together(rendered: &[Rendered]) -> Vec<PassTime> {
+    let mut passes: Vec<PassTime> = Vec::new();
+    for part in rendered {
+        for pass in &part.passes {
+            match passes.iter_mut().find(|known| known.name == pass.name) {
+                Some(known) if part.batch_size > 1 => {
+                    known.microseconds = known.microseconds.max(pass.microseconds);
+                }
+                Some(known) => known.microseconds += pass.microseconds,
+                None => passes.push(*pass),
+            }
         }
     }
+    passes
 }

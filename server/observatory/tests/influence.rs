@@ -6,11 +6,11 @@ mod common;
 use common::{engine, request, sky, store_scene, store_town_on, town};
 use skyglow_observatory::ObservatoryError;
 use skyglow_observatory::{
-    InfluenceMap, InfluenceRequest, InfluenceSolver, Measure, MeasureOfCells, Observatory, Part,
+    InfluenceMap, InfluenceRequest, InfluenceSolver, Measure, MeasureOfCells, Observatory, Part, SeenMeasure,
     influence_of_pixels,
 };
 use skyglow_physics::{
-    Direction, EmissionMix, GeoPoint, Horizon, LampPreset, LinearMeasure, SkyCurve,
+    BAND_COUNT, Direction, EmissionMix, GeoPoint, Horizon, LampPreset, LinearMeasure, Response, SkyCurve,
     source_pixel::point_sources,
 };
 use skyglow_render::{DeviceChoice, RenderRequest, TableSet, synthetic};
@@ -26,6 +26,7 @@ fn pixels_add_up_and_count_as_if_alone() {
     let scene = SceneStore::new(folder.path()).open(&town()).unwrap();
     let solver =
         InfluenceSolver::new(Arc::new(TableSet::new(synthetic::table_set(&[1.5, 2.5, 3.5], 24)).unwrap()));
+    let rule = LampPreset::Mixed.lamp().light().rule(&Response::Photopic);
     let measures = [LinearMeasure::zenith(&Horizon::flat()), LinearMeasure::horizontal(&Horizon::flat())];
     // Beside the town, where its pixels are split, and 30 km off, where they share cells.
     for (latitude_deg, longitude_deg) in [(-1.43, 36.64), (-1.59, 36.41)] {
@@ -38,7 +39,9 @@ fn pixels_add_up_and_count_as_if_alone() {
             for measure in &measures {
                 let of_grid = |polar: PolarGrid| -> (Vec<_>, f64) {
                     let asked = RenderRequest { polar: Arc::new(polar), ..asked.clone() };
-                    let cells = solver.cells(&asked, MeasureOfCells::Linear(measure)).unwrap();
+                    let cells = solver
+                        .cells(&asked, MeasureOfCells::Linear(SeenMeasure { measure, rule: &rule }))
+                        .unwrap();
                     let fluxes = asked.polar.cells.iter().map(|cell| f64::from(cell.flux_dnb_w));
                     let sum = cells.iter().zip(fluxes).map(|(cell, flux)| cell.per_dnb_w * flux).sum();
                     (cells, sum)
@@ -100,7 +103,7 @@ fn influences_and_parts_add_up_to_the_panorama() {
             (Measure::Zenith, answer.quantities.zenith_luminance_cd_m2),
             (Measure::Mean, answer.quantities.mean_luminance_cd_m2),
             (Measure::Horizontal, answer.quantities.horizontal_illuminance_lx),
-            (Measure::Region(region.clone()), of_region.of(&answer.panorama)),
+            (Measure::Region(region.clone()), of_region.of(answer.values())),
         ] {
             let map = observatory.influence(&InfluenceRequest { sky: sky.clone(), measure }).unwrap();
             assert_eq!((map.context.coverage, map.context.basis_count), (answer.context.coverage, 24));
@@ -169,6 +172,7 @@ fn hidden_regions_are_refused_norms_are_alone() {
     let scene = SceneStore::new(folder.path()).open(&town()).unwrap();
     let pixels = scene.source_pixels_within(sky(2.5, -1.5, 36.8).place, 300_000.0);
     let solver = InfluenceSolver::new(Arc::new(TableSet::new(synthetic::table_set(&[2.5], 24)).unwrap()));
+    let rule = LampPreset::Mixed.lamp().light().rule(&Response::Photopic);
     let mut nearest: Vec<usize> = (0..pixels.len()).collect();
     nearest.sort_by(|a, b| map.pixels()[*a].distance_m.total_cmp(&map.pixels()[*b].distance_m));
     for &position in nearest.iter().take(40).step_by(3).chain(nearest.iter().skip(100).step_by(500)) {
@@ -177,11 +181,11 @@ fn hidden_regions_are_refused_norms_are_alone() {
         let alone = RenderRequest {
             polar: Arc::new(polar),
             observer_altitude_m: map.context.altitude_m,
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            flux_per_dnb_flux: [1.0; BAND_COUNT],
             emission: EmissionMix::garstang(),
             ..request(synthetic::dark_grid(), 2.5)
         };
-        let error = f64::from(map.influence()[position]) / solver.norm(&alone).unwrap() - 1.0;
+        let error = f64::from(map.influence()[position]) / solver.norm(&alone, &rule).unwrap() - 1.0;
         let pixel = map.pixels()[position];
         assert!(error.abs() < if pixel.distance_m < 5_000.0 { 1e-3 } else { 0.03 }, "{pixel:?} {error}");
     }

@@ -10,7 +10,7 @@ use skyglow_observatory::{
     PlanRequest, SkyRequest, TargetSite,
 };
 use skyglow_physics::{
-    Emission, EmissionKeep, EmissionMix, Lamp, LampChange, LampPreset, Lobe, Panorama, PreservedFlux,
+    Emission, EmissionKeep, EmissionMix, Lamp, LampChange, LampPreset, Lobe, PreservedFlux, Response, SeenSky,
 };
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{Area, Boundary, Change, ChangeId, ChangeStore, Edit, Scenario, Scene, StoredPlan};
@@ -49,23 +49,26 @@ fn in_scenario(request: &SkyRequest, scenario: &ChangeId) -> SkyRequest {
     SkyRequest { scenario: Some(scenario.clone()), ..request.clone() }
 }
 
-fn panorama(observatory: &Observatory, request: &SkyRequest) -> Panorama {
-    observatory.sky_blocking(request).unwrap().panorama
+/// Responses that lamps are told apart by.
+const SEEN_BY: [Response; 3] = [Response::Photopic, Response::Scotopic, Response::JohnsonR];
+
+fn seen(observatory: &Observatory, request: &SkyRequest) -> Vec<Vec<f32>> {
+    let sky = SeenSky::of(&observatory.sky_blocking(request).unwrap().parts, &SEEN_BY);
+    (0..SEEN_BY.len()).map(|place| sky.plane(place).to_vec()).collect()
 }
 
-/// Largest difference of samples, relative to the largest sample of the band.
-fn difference(a: &Panorama, b: &Panorama) -> f64 {
-    let band = a.samples().len() / 3;
-    let of_band = |a: &[f32], b: &[f32]| {
+/// Largest difference of values, relative to the largest of the response.
+fn difference(a: &[Vec<f32>], b: &[Vec<f32>]) -> f64 {
+    let of_plane = |(a, b): (&Vec<f32>, &Vec<f32>)| {
         let most = b.iter().copied().fold(0f32, f32::max).max(1e-30);
         a.iter().zip(b).map(|(a, b)| (a - b).abs() / most).fold(0f32, f32::max)
     };
-    let bands = a.samples().chunks(band).zip(b.samples().chunks(band));
-    f64::from(bands.map(|(a, b)| of_band(a, b)).fold(0f32, f32::max))
+    f64::from(a.iter().zip(b).map(of_plane).fold(0f32, f32::max))
 }
 
-fn sum(a: &Panorama, b: &Panorama) -> Panorama {
-    Panorama::from_samples(a.samples().iter().zip(b.samples()).map(|(a, b)| a + b).collect()).unwrap()
+fn sum(a: &[Vec<f32>], b: &[Vec<f32>], of_a: f64) -> Vec<Vec<f32>> {
+    let planes = a.iter().zip(b);
+    planes.map(|(a, b)| a.iter().zip(b).map(|(a, b)| of_a as f32 * a + b).collect()).collect()
 }
 
 /// Lights with other lamps and shades shine as if the sky were asked with those.
@@ -77,22 +80,18 @@ fn changed_lights_shine_as_in_a_sky_asked_so() {
     let lamp =
         LampChange { from: None, to: LampPreset::PcAmber.lamp(), preserved: PreservedFlux::LuminousFlux };
     let shade = EmissionMix::lambert();
-    let fitted = painted(&observatory, None, vec![alter(west(), 1.0, Some(lamp), Some(shade))]);
+    let fitted = painted(&observatory, None, vec![alter(west(), 1.0, Some(lamp.clone()), Some(shade))]);
     let [only_west, only_east] =
         [east(), west()].map(|dark| painted(&observatory, None, vec![alter(dark, 0.0, None, None)]));
-    // Of as many lumens: by hand from the table of lamps.
-    let lumens = |lamp: &Lamp| {
-        let [red, green, blue] = lamp.flux_per_dnb_flux;
-        150.0 * red + 567.0 * green + 45.0 * blue
-    };
+    // Of as many lumens.
+    let lumens = |lamp: &Lamp| lamp.light().spectrum().lumens();
     let ratio = lumens(&request.lamp) / lumens(&lamp.to);
-    let amber = Lamp { flux_per_dnb_flux: lamp.to.flux_per_dnb_flux.map(|flux| ratio * flux), ..lamp.to };
-    let of_west = SkyRequest { lamp: amber, emission: shade.into(), ..in_scenario(&request, &only_west) };
+    let of_west = SkyRequest { lamp: lamp.to, emission: shade.into(), ..in_scenario(&request, &only_west) };
     let wanted =
-        sum(&panorama(&observatory, &of_west), &panorama(&observatory, &in_scenario(&request, &only_east)));
-    let got = panorama(&observatory, &in_scenario(&request, &fitted));
+        sum(&seen(&observatory, &of_west), &seen(&observatory, &in_scenario(&request, &only_east)), ratio);
+    let got = seen(&observatory, &in_scenario(&request, &fitted));
     assert!(difference(&got, &wanted) < 1e-4, "{}", difference(&got, &wanted));
-    assert!(difference(&got, &panorama(&observatory, &request)) > 0.01, "lamps change nothing");
+    assert!(difference(&got, &seen(&observatory, &request)) > 0.01, "lamps change nothing");
     // A tolerance holds for the sum.
     let coarse = SkyRequest { tolerance: Some(0.3), ..in_scenario(&request, &fitted) };
     let coarse = observatory.sky_blocking(&coarse).unwrap();
@@ -110,21 +109,19 @@ fn kept_nadir_radiance_is_of_each_fixture() {
     let flux_kept = sky(2.5, -1.43, 36.93);
     let emission = flux_kept.emission.keeping(EmissionKeep::NadirRadiance).unwrap();
     let request = SkyRequest { emission, ..flux_kept.clone() };
-    let times = |panorama: Panorama, factor: f64| {
-        let samples = panorama.samples().iter().map(|sample| sample * factor as f32);
-        Panorama::from_samples(samples.collect()).unwrap()
-    };
-    let whole = times(panorama(&observatory, &flux_kept), 0.2775 / 0.1275);
-    assert!(difference(&panorama(&observatory, &request), &whole) < 1e-6);
+    let more = 0.2775 / 0.1275;
+    let nothing = vec![vec![0f32; 1 << 14]; SEEN_BY.len()];
+    let whole = sum(&seen(&observatory, &flux_kept), &nothing, more);
+    assert!(difference(&seen(&observatory, &request), &whole) < 1e-5);
     // Of shielded lights the satellite's radiance is all there is.
     let shade = EmissionMix::lambert();
     let shaded = painted(&observatory, None, vec![alter(west(), 1.0, None, Some(shade))]);
     let [only_west, only_east] =
         [east(), west()].map(|dark| painted(&observatory, None, vec![alter(dark, 0.0, None, None)]));
     let of_west = SkyRequest { emission: shade.into(), ..in_scenario(&flux_kept, &only_west) };
-    let of_east = times(panorama(&observatory, &in_scenario(&flux_kept, &only_east)), 0.2775 / 0.1275);
-    let got = panorama(&observatory, &in_scenario(&request, &shaded));
-    assert!(difference(&got, &sum(&panorama(&observatory, &of_west), &of_east)) < 1e-4);
+    let of_east = seen(&observatory, &in_scenario(&flux_kept, &only_east));
+    let got = seen(&observatory, &in_scenario(&request, &shaded));
+    assert!(difference(&got, &sum(&of_east, &seen(&observatory, &of_west), more)) < 1e-4);
     // Influences and maps have it too.
     let zenith = |request: &SkyRequest| {
         let ask = InfluenceRequest { sky: in_scenario(request, &shaded), measure: Measure::Zenith };
@@ -138,7 +135,8 @@ fn kept_nadir_radiance_is_of_each_fixture() {
             scenario: None,
             turbidity: request.turbidity,
             scattering: request.scattering,
-            lamp: request.lamp,
+            lamp: request.lamp.clone(),
+            response: Response::Photopic,
             emission,
             terrain_hides: false,
             max_places: 100,

@@ -1,17 +1,18 @@
 //! Sources whose lamps or emission differ from those of the request (`docs/model.md#fixtures`).
 
 use crate::{
-    bands::{BAND_COUNT, Band},
     emission::EmissionMix,
-    lamp::{Lamp, LampPreset},
+    lamp::Lamp,
+    spectrum::{LampPreset, Light, SAMPLE_COUNT, Spectrum},
 };
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What stays the same when a lamp is replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PreservedFlux {
-    /// Σ_b K_b·Φ_b, the luminous flux: streets stay as bright as they were.
+    /// The luminous flux: streets stay as bright as they were.
     #[default]
     LuminousFlux,
     /// The flux that the satellite sees.
@@ -32,7 +33,7 @@ impl PreservedFlux {
 }
 
 /// Lamps replaced by others.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LampChange {
     /// Which lamps; None for all. Of `mixed` half are `hps` and half `led_4000k`.
     pub from: Option<LampPreset>,
@@ -55,24 +56,15 @@ pub struct Fixture {
 /// A mixture of lamps, by their parts of the flux that the satellite saw originally.
 #[derive(Clone, Debug)]
 struct Mixture {
-    /// s_b of all together.
-    flux_per_dnb_flux: [f64; BAND_COUNT],
+    /// Of all together, W nm⁻¹ per watt that the satellite saw originally.
+    spectrum: Spectrum,
     /// DNB flux now per original DNB flux, by lamp where that is known.
     parts: Vec<(Option<LampPreset>, f64)>,
 }
 
-/// Σ_b K_b·s_b, lm.
-fn lumens(flux: [f64; BAND_COUNT]) -> f64 {
-    Band::ALL.iter().map(|band| band.luminous_efficacy_lm_w() * flux[band.index()]).sum()
-}
-
 impl Mixture {
     fn of(lamp: &Lamp) -> Self {
-        let parts = match lamp.preset {
-            Some(LampPreset::Mixed) => vec![(Some(LampPreset::Hps), 0.5), (Some(LampPreset::Led4000k), 0.5)],
-            preset => vec![(preset, 1.0)],
-        };
-        Self { flux_per_dnb_flux: lamp.flux_per_dnb_flux, parts }
+        Self { spectrum: lamp.light().spectrum().clone(), parts: lamp.parts() }
     }
 
     /// Whether a change replaces any of the lamps.
@@ -90,23 +82,21 @@ impl Mixture {
         if dnb == 0.0 {
             return;
         }
-        // The whole may differ from the sum of its parts by rounding of the lamp table.
         let all = self.parts.iter().all(|(lamp, _)| is_replaced(lamp));
-        let gone = if all { self.flux_per_dnb_flux } else { self.flux_of(is_replaced) };
-        let new = change.to.flux_per_dnb_flux;
+        let gone = if all { self.spectrum.clone() } else { self.spectrum_of(is_replaced) };
+        let new = change.to.light().spectrum();
         let dnb_after = match change.preserved {
             PreservedFlux::DnbFlux => dnb,
             // A lamp of no lumens cannot stand in for one that has some.
-            PreservedFlux::LuminousFlux if lumens(new) > 0.0 => lumens(gone) / lumens(new),
+            PreservedFlux::LuminousFlux if new.lumens() > 0.0 => gone.lumens() / new.lumens(),
             PreservedFlux::LuminousFlux => 0.0,
         };
-        for band in 0..BAND_COUNT {
-            let left = if all { 0.0 } else { (self.flux_per_dnb_flux[band] - gone[band]).max(0.0) };
-            self.flux_per_dnb_flux[band] = left + dnb_after * new[band];
+        for ((light, gone), new) in self.spectrum.0.iter_mut().zip(gone.0).zip(new.0) {
+            let left = if all { 0.0 } else { (*light - gone).max(0.0) };
+            *light = left + dnb_after * new;
         }
         self.parts.retain(|(lamp, _)| !is_replaced(lamp));
-        let after = Self::of(&change.to).parts;
-        self.parts.extend(after.into_iter().map(|(lamp, part)| (lamp, part * dnb_after)));
+        self.parts.extend(change.to.parts().into_iter().map(|(lamp, part)| (lamp, part * dnb_after)));
     }
 
     /// Whether a part is of the lamps named.
@@ -117,14 +107,13 @@ impl Mixture {
         }
     }
 
-    fn flux_of(&self, is_meant: impl Fn(&Option<LampPreset>) -> bool) -> [f64; BAND_COUNT] {
-        let mut flux = [0.0; BAND_COUNT];
+    fn spectrum_of(&self, is_meant: impl Fn(&Option<LampPreset>) -> bool) -> Spectrum {
+        let mut sum = Spectrum([0.0; SAMPLE_COUNT]);
         for (lamp, dnb) in self.parts.iter().filter(|(lamp, _)| is_meant(lamp)) {
             let Some(preset) = lamp else { continue };
-            let of_lamp = preset.lamp().flux_per_dnb_flux;
-            flux.iter_mut().zip(of_lamp).for_each(|(flux, of_lamp)| *flux += dnb * of_lamp);
+            sum = sum.sum(&preset.lamp().light().spectrum().scaled(*dnb));
         }
-        flux
+        sum
     }
 }
 
@@ -145,12 +134,15 @@ impl Fixture {
         }
     }
 
-    /// s_b: flux in R, G, B per DNB flux that the satellite saw of these sources before their lamps were replaced; the
-    /// lamp of the request is `requested`.
-    pub fn flux_per_dnb_flux(&self, requested: &Lamp) -> [f64; BAND_COUNT] {
+    /// The light per watt that the satellite saw of these sources before their lamps were replaced; the lamp of the request is
+    /// `requested`.
+    pub fn light(&self, requested: &Lamp) -> Arc<Light> {
+        if self.lamps.is_empty() {
+            return Arc::clone(requested.light());
+        }
         let mut mixture = Mixture::of(requested);
         self.lamps.iter().for_each(|change| mixture.replace(change));
-        mixture.flux_per_dnb_flux
+        Arc::new(Light::new(mixture.spectrum))
     }
 
     /// Lamps that a change replaces although none are left by then; the lamp of the request is `requested`.
@@ -173,6 +165,7 @@ impl Fixture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spectrum::{Response, STEP_NM};
     use proptest::prelude::*;
 
     fn change(from: Option<LampPreset>, to: LampPreset, preserved: PreservedFlux) -> LampChange {
@@ -187,6 +180,13 @@ mod tests {
         prop::sample::select(LampPreset::ALL.to_vec())
     }
 
+    /// Largest difference of two spectra, of the mean of the second.
+    fn difference(one: &Light, other: &Light) -> f64 {
+        let (one, other) = (one.spectrum(), other.spectrum());
+        let mean = other.0.iter().sum::<f64>() / SAMPLE_COUNT as f64;
+        one.0.iter().zip(other.0).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max) / mean
+    }
+
     proptest! {
         /// At equal luminous flux the lumens stay, whatever is replaced.
         #[test]
@@ -194,10 +194,9 @@ mod tests {
             requested in preset(), from in prop::option::of(preset()), to in preset(), again in preset(),
         ) {
             let lamps = [change(from, to, PreservedFlux::LuminousFlux), change(Some(to), again, PreservedFlux::LuminousFlux)];
-            let before = lumens(requested.lamp().flux_per_dnb_flux);
-            let after = lumens(fixture(&lamps).flux_per_dnb_flux(&requested.lamp()));
-            // The table of lamps is rounded to a thousandth.
-            prop_assert!((after / before - 1.0).abs() < 2e-3, "{} {}", before, after);
+            let before = requested.lamp().light().spectrum().lumens();
+            let after = fixture(&lamps).light(&requested.lamp()).spectrum().lumens();
+            prop_assert!((after / before - 1.0).abs() < 1e-9, "{} {}", before, after);
         }
 
         #[test]
@@ -208,63 +207,67 @@ mod tests {
             let lamps: Vec<LampChange> =
                 changes.into_iter().map(|(from, to, dnb)| change(from, to, kept(dnb))).collect();
             let mut short = Fixture::default();
-            lamps.iter().for_each(|change| short.replace(*change));
+            lamps.iter().for_each(|change| short.replace(change.clone()));
             prop_assert!(short.lamps.len() <= lamps.len());
-            let (short, long) =
-                (short.flux_per_dnb_flux(&requested.lamp()), fixture(&lamps).flux_per_dnb_flux(&requested.lamp()));
-            for (short, long) in short.iter().zip(long) {
-                // The table of lamps is rounded to a thousandth.
-                prop_assert!((short - long).abs() < 4e-3 * long.max(0.05), "{} {}", short, long);
-            }
+            let (short, long) = (short.light(&requested.lamp()), fixture(&lamps).light(&requested.lamp()));
+            prop_assert!(difference(&short, &long) < 1e-9);
         }
 
         /// All lamps replaced at equal DNB flux have the spectrum of the new ones.
         #[test]
         fn equal_dnb_flux_gives_the_new_lamp(requested in preset(), to in preset()) {
-            let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).flux_per_dnb_flux(&requested.lamp());
-            for (after, new) in after.iter().zip(to.lamp().flux_per_dnb_flux) {
-                prop_assert!((after - new).abs() < 1e-12);
-            }
+            let after = fixture(&[change(None, to, PreservedFlux::DnbFlux)]).light(&requested.lamp());
+            prop_assert!(difference(&after, to.lamp().light()) < 1e-12);
         }
     }
 
     #[test]
     fn what_is_not_there_is_not_replaced() {
         let lamps = [change(Some(LampPreset::Mercury), LampPreset::PcAmber, PreservedFlux::LuminousFlux)];
-        let requested = LampPreset::Mixed.lamp();
-        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&requested), requested.flux_per_dnb_flux);
-        let custom = Lamp::custom([0.4, 0.5, 0.6]).unwrap();
-        assert_eq!(fixture(&lamps).flux_per_dnb_flux(&custom), custom.flux_per_dnb_flux);
+        for requested in [LampPreset::Mixed.lamp(), Lamp::custom([0.4, 0.5, 0.6]).unwrap()] {
+            assert_eq!(fixture(&lamps).light(&requested), *requested.light());
+        }
     }
 
     /// Lamps that are to be replaced and are not there are named.
     #[test]
     fn absent_lamps_are_named() {
-        let to_led = change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::LuminousFlux);
+        let to_led = || change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::LuminousFlux);
         let not_met =
             |lamps: &[LampChange], requested: LampPreset| fixture(lamps).lamps_not_met(&requested.lamp());
-        assert_eq!(not_met(&[to_led], LampPreset::Mixed), []);
-        assert_eq!(not_met(&[to_led], LampPreset::Led3000k), [LampPreset::Hps]);
+        assert_eq!(not_met(&[to_led()], LampPreset::Mixed), []);
+        assert_eq!(not_met(&[to_led()], LampPreset::Led3000k), [LampPreset::Hps]);
         // None are left the second time; a change of all lamps always applies.
-        assert_eq!(not_met(&[to_led, to_led], LampPreset::Hps), [LampPreset::Hps]);
+        assert_eq!(not_met(&[to_led(), to_led()], LampPreset::Hps), [LampPreset::Hps]);
         assert_eq!(
-            not_met(&[change(None, LampPreset::Hps, PreservedFlux::DnbFlux), to_led], LampPreset::Led3000k),
+            not_met(&[change(None, LampPreset::Hps, PreservedFlux::DnbFlux), to_led()], LampPreset::Led3000k),
             []
         );
     }
 
-    /// Of the mixed lamps the sodium half alone is replaced.
+    /// Of the mixed lamps, and of a mix by lumens, the sodium part alone is replaced.
     #[test]
-    fn sodium_half_of_mixed_is_replaced() {
-        let lamps = [change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::DnbFlux)];
-        let after = fixture(&lamps).flux_per_dnb_flux(&LampPreset::Mixed.lamp());
-        for (after, led) in after.iter().zip(LampPreset::Led4000k.lamp().flux_per_dnb_flux) {
-            assert!((after - led).abs() < 1e-3, "{after} {led}");
+    fn the_sodium_part_alone_is_replaced() {
+        let to_led = [change(Some(LampPreset::Hps), LampPreset::Led4000k, PreservedFlux::DnbFlux)];
+        let mix = Lamp::mix(&[(LampPreset::Hps, 0.3), (LampPreset::Led4000k, 0.7)]).unwrap();
+        for requested in [LampPreset::Mixed.lamp(), mix] {
+            let after = fixture(&to_led).light(&requested);
+            assert!(difference(&after, LampPreset::Led4000k.lamp().light()) < 1e-9);
         }
-        // White lamps at as many lumens are bluer: what people see stays, what the sky scatters does not.
+    }
+
+    /// White lamps at as many lumens are bluer: what the light-adapted eye sees stays, what the dark-adapted one sees does not.
+    #[test]
+    fn white_lamps_are_bluer() {
         let lamps = [change(None, LampPreset::Led4000k, PreservedFlux::LuminousFlux)];
         let sodium = LampPreset::Hps.lamp();
-        assert!(fixture(&lamps).flux_per_dnb_flux(&sodium)[2] > 3.0 * sodium.flux_per_dnb_flux[2]);
+        let after = fixture(&lamps).light(&sodium);
+        let ratio = |response: &Response| {
+            response.value_of(after.spectrum()) / response.value_of(sodium.light().spectrum())
+        };
+        assert!((ratio(&Response::Photopic) - 1.0).abs() < 1e-9);
+        assert!(ratio(&Response::Scotopic) > 2.0 && ratio(&Response::Melanopic) > 3.0);
+        assert!(after.spectrum().0.iter().sum::<f64>() * STEP_NM > 0.5);
     }
 
     #[test]
@@ -272,7 +275,7 @@ mod tests {
         let (lamp, mix) = (Lamp::default(), EmissionMix::garstang());
         let plain = Fixture::default();
         assert!(plain.is_unchanged());
-        assert_eq!(plain.flux_per_dnb_flux(&lamp), lamp.flux_per_dnb_flux);
+        assert!(Arc::ptr_eq(&plain.light(&lamp), lamp.light()));
         assert_eq!(plain.emission(mix), mix);
         assert_eq!(
             Fixture { emission: Some(EmissionMix::lambert()), ..plain }.emission(mix),

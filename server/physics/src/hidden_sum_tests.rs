@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
-    CloudBase, Turbidity, direct_sum::direct_sum, horizon::terrain_elevation_tangent, lamp::LampPreset,
-    panorama::Direction,
+    CloudBase, Turbidity, direct_sum::direct_sum, horizon::terrain_elevation_tangent, panorama::Direction,
+    spectrum::LampPreset,
 };
 
 const OBSERVER_ALTITUDE_M: f64 = 300.0;
@@ -37,7 +37,7 @@ fn sky<'a>(sources: &'a [PointSource], directions: &'a [Direction]) -> SkySum<'a
         observer_altitude_m: OBSERVER_ALTITUDE_M,
         sources,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Hps.lamp().flux_per_dnb_flux,
+        flux_per_dnb_flux: LampPreset::Hps.lamp().flux_per_dnb_flux(),
         directions,
     }
 }

@@ -1,7 +1,9 @@
 use super::*;
 use crate::{
     geometry::{GeoPoint, LocalFrame},
+    lamp::Lamp,
     panorama::azimuth_rad,
+    seen_sky::SkyPart,
     sky_quantities::SkyQuantities,
 };
 use proptest::prelude::*;
@@ -53,6 +55,11 @@ fn invalid_horizons_are_refused() {
     assert!(Horizon::flat().is_flat() && !Horizon::new(vec![0.1; AZIMUTH_COUNT]).unwrap().is_flat());
 }
 
+/// A sky of the default lamp.
+fn part(kernel: &Panorama) -> SkyPart {
+    SkyPart { light: std::sync::Arc::clone(Lamp::default().light()), kernel: kernel.clone() }
+}
+
 /// Between columns the horizon is linear, and it wraps around north.
 #[test]
 fn the_horizon_is_linear_between_columns() {
@@ -70,7 +77,10 @@ fn a_flat_horizon_changes_no_bit() {
     let mut panorama = uniform(1e-7);
     Horizon::flat().darken(&mut panorama);
     assert_eq!(panorama, uniform(1e-7));
-    assert_eq!(SkyQuantities::of(&panorama), SkyQuantities::of_visible(&panorama, &Horizon::flat()));
+    assert_eq!(
+        SkyQuantities::of(&[part(&panorama)]),
+        SkyQuantities::of_visible(&[part(&panorama)], &Horizon::flat())
+    );
 }
 
 /// A wall of 45 degrees all around leaves half of the light on the ground and all of the mean.
@@ -78,9 +88,9 @@ fn a_flat_horizon_changes_no_bit() {
 fn a_45_degree_wall_halves_illuminance() {
     let horizon = Horizon::new(vec![std::f64::consts::FRAC_PI_4; AZIMUTH_COUNT]).unwrap();
     let mut panorama = uniform(1e-6);
-    let open = SkyQuantities::of(&panorama);
+    let open = SkyQuantities::of(&[part(&panorama)]);
     horizon.darken(&mut panorama);
-    let walled = SkyQuantities::of_visible(&panorama, &horizon);
+    let walled = SkyQuantities::of_visible(&[part(&panorama)], &horizon);
     // E = πL·cos²45° for a uniform sky; rows end at 45°.
     assert!((walled.horizontal_illuminance_lx / open.horizontal_illuminance_lx - 0.5).abs() < 1e-9);
     assert!(
@@ -97,7 +107,7 @@ fn a_fully_hidden_sky_is_finite() {
     let horizon = Horizon::new(vec![FRAC_PI_2; AZIMUTH_COUNT]).unwrap();
     let mut panorama = uniform(1e-6);
     horizon.darken(&mut panorama);
-    let quantities = SkyQuantities::of_visible(&panorama, &horizon);
+    let quantities = SkyQuantities::of_visible(&[part(&panorama)], &horizon);
     assert_eq!((quantities.mean_luminance_cd_m2, quantities.horizontal_illuminance_lx), (0.0, 0.0));
     assert!(quantities.horizontal_total_illuminance_lx.abs() < 1e-12);
     assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
@@ -154,7 +164,7 @@ proptest! {
                 prop_assert_eq!(horizon.hides(direction), horizon.hides_sample(row, column));
             }
         }
-        let (all, seen) = (SkyQuantities::of(&open), SkyQuantities::of_visible(&masked, &horizon));
+        let (all, seen) = (SkyQuantities::of(&[part(&open)]), SkyQuantities::of_visible(&[part(&masked)], &horizon));
         prop_assert!(seen.horizontal_illuminance_lx <= all.horizontal_illuminance_lx);
         prop_assert!(seen.horizontal_total_illuminance_lx <= all.horizontal_total_illuminance_lx);
         prop_assert!(seen.brightest_luminance_cd_m2 <= all.brightest_luminance_cd_m2);

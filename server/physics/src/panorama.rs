@@ -92,7 +92,13 @@ impl Panorama {
         &mut self.radiance_w_m2_sr
     }
 
-    /// Luminance of one sample, cd m⁻².
+    /// Sum over the samples of a row in one band, W m⁻² sr⁻¹.
+    pub fn row_sum(&self, band: usize, row: usize) -> f64 {
+        let start = Self::index(band, row, 0);
+        self.radiance_w_m2_sr[start..start + AZIMUTH_COUNT].iter().map(|&value| f64::from(value)).sum()
+    }
+
+    /// Luminance of one sample, cd m⁻², by one efficacy a band: what errors of the engine are measured in.
     pub fn luminance_cd_m2(&self, row: usize, column: usize) -> f64 {
         crate::photometry::luminance_cd_m2(std::array::from_fn(|band| {
             self.radiance_w_m2_sr(band, row, column)

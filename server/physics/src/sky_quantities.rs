@@ -3,13 +3,15 @@
 use crate::{
     horizon::Horizon,
     panorama::{
-        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, azimuth_rad, elevation_rad, projected_sr,
-        solid_angle_sr,
+        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, projected_sr, solid_angle_sr,
     },
     photometry::{
-        bortle_class, brightness_mag_arcsec2, luminance_cd_m2, naked_eye_limit_mag,
-        natural_sky_luminance_cd_m2,
+        bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag, natural_sky_luminance_cd_m2,
+        natural_sky_value,
     },
+    response_quantities::{ResponseQuantities, ZenithValue},
+    seen_sky::{SeenSky, SkyPart},
+    spectrum::{Colour, NODE_COUNT, RGB_BANDS, Response},
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -36,7 +38,8 @@ pub struct SkyQuantities {
     pub zenith_total_brightness_mag_arcsec2: Option<f64>,
     /// Artificial luminance at the zenith over the natural one of a clear sky.
     pub ratio_to_natural: f64,
-    /// As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻².
+    /// As a Sky Quality Meter at the zenith sees it (its spectral response, Gaussian of 20° FWHM): the luminance of the magnitude that
+    /// it would read of artificial light alone, cd m⁻².
     pub sqm_luminance_cd_m2: f64,
     /// What such a meter reads with the natural sky, mag arcsec⁻².
     pub sqm_total_brightness_mag_arcsec2: Option<f64>,
@@ -56,28 +59,76 @@ pub struct SkyQuantities {
     pub bortle_class: Option<u8>,
     /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); null under clouds.
     pub naked_eye_limit_mag: Option<f64>,
-    /// Radiance at the zenith in R, G, B, W m⁻² sr⁻¹.
+    /// Radiance at the zenith in R, G, B (600–700, 500–600, 400–500 nm), W m⁻² sr⁻¹.
     pub zenith_radiance_w_m2_sr: [f64; 3],
+    /// Scotopic luminance within 5° of the zenith, what the dark-adapted eye sees, cd m⁻².
+    pub zenith_scotopic_luminance_cd_m2: f64,
+    /// Scotopic over photopic luminance at the zenith; null without light.
+    pub zenith_scotopic_photopic_ratio: Option<f64>,
+    /// Chromaticity x, y (CIE 1931) of the light at the zenith; null without light.
+    pub zenith_chromaticity: Option<[f64; 2]>,
+    /// Its correlated colour temperature, K; null where it has none.
+    pub zenith_colour_temperature_k: Option<f64>,
+    /// What eyes and instruments see within 5° of the zenith.
+    pub zenith_by_response: Vec<ZenithValue>,
+    /// The sky as the response that was asked for sees it; null for the photopic one, which all luminances above are of.
+    pub seen: Option<ResponseQuantities>,
 }
 
-/// Mean radiance over the visible directions of a panorama whose hidden samples are 0, in R, G, B, W m⁻² sr⁻¹;
-/// `weight` of a grid direction, given its angle to the zenith [rad]. 0 where nothing with a weight is visible.
-fn weighted_mean_radiance(panorama: &Panorama, horizon: &Horizon, weight: impl Fn(f64) -> f64) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    let mut total = 0.0;
-    for row in 0..ELEVATION_COUNT {
+/// Responses that the numbers and pictures of every sky need: X, Y, Z and what the dark-adapted eye sees.
+pub const SKY_RESPONSES: [Response; 4] =
+    [Response::CieX, Response::Photopic, Response::CieZ, Response::Scotopic];
+
+/// A sky to take numbers of: its parts, dark where ground hides it, and what is seen of them.
+#[derive(Clone, Copy, Debug)]
+pub struct SkyNumbers<'a> {
+    /// The kinds of light.
+    pub parts: &'a [SkyPart],
+    /// [`SKY_RESPONSES`], and the response that was asked for.
+    pub seen: &'a SeenSky,
+    /// Below it the sky is hidden.
+    pub horizon: &'a Horizon,
+    /// The response that was asked for.
+    pub response: &'a Response,
+}
+
+/// Means of the parts' kernels over the visible directions, `weight` of a direction being that of its angle to the zenith [rad].
+/// 0 where nothing with a weight is visible.
+fn mean_kernels(parts: &[SkyPart], horizon: &Horizon, weight: impl Fn(f64) -> f64) -> Vec<[f64; NODE_COUNT]> {
+    let weights: Vec<f64> =
+        (0..ELEVATION_COUNT).map(|row| weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row)).collect();
+    let total: f64 =
+        weights.iter().enumerate().map(|(row, weight)| weight * visible_columns(horizon, row) as f64).sum();
+    let mean = |part: &SkyPart, node: usize| {
+        let lit = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        let sum: f64 = lit.map(|(row, weight)| weight * part.kernel.row_sum(node, row)).sum();
+        if total > 0.0 { sum / total } else { 0.0 }
+    };
+    parts.iter().map(|part| std::array::from_fn(|node| mean(part, node))).collect()
+}
+
+/// What a response sees of lights behind their kernels.
+fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Response) -> f64 {
+    parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel)).sum()
+}
+
+/// Mean over the visible directions of a plane whose hidden samples are 0; `weight` of a direction given its angle to the zenith
+/// [rad].
+fn weighted_mean(plane: &[f32], horizon: &Horizon, weight: impl Fn(f64) -> f64) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
         let w = weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row);
         if w > 0.0 {
             total += w * visible_columns(horizon, row) as f64;
-            for (band, sum) in sum.iter_mut().enumerate() {
-                let start = Panorama::index(band, row, 0);
-                let row_sum: f64 =
-                    panorama.samples()[start..start + AZIMUTH_COUNT].iter().map(|&l| f64::from(l)).sum();
-                *sum += w * row_sum;
-            }
+            sum += w * values.iter().map(|&value| f64::from(value)).sum::<f64>();
         }
     }
-    if total > 0.0 { sum.map(|s| s / total) } else { [0.0; 3] }
+    if total > 0.0 { sum / total } else { 0.0 }
+}
+
+/// 1 in the cap that the zenith means, else 0.
+fn in_zenith_cap(angle_rad: f64) -> f64 {
+    if angle_rad <= ZENITH_CAP_RAD { 1.0 } else { 0.0 }
 }
 
 /// Number of columns whose sample in a row is sky.
@@ -85,14 +136,15 @@ fn visible_columns(horizon: &Horizon, row: usize) -> usize {
     (0..AZIMUTH_COUNT).filter(|&column| !horizon.hides_sample(row, column)).count()
 }
 
-/// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky.
-pub fn vertical_illuminance_lx(panorama: &Panorama, facing_azimuth_rad: f64) -> f64 {
+/// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky, `[row][column]`, cd m⁻².
+pub fn vertical_illuminance_lx(luminance_cd_m2: &[f32], facing_azimuth_rad: f64) -> f64 {
     let facing = Direction { azimuth_rad: facing_azimuth_rad, elevation_rad: 0.0 }.enu();
     let mut sum = 0.0;
     for row in 0..ELEVATION_COUNT {
         for column in 0..AZIMUTH_COUNT {
             let v = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) }.enu();
-            sum += panorama.luminance_cd_m2(row, column) * v.dot(facing).max(0.0) * solid_angle_sr(row);
+            let luminance = luminance_cd_m2.get(row * AZIMUTH_COUNT + column).copied().unwrap_or_default();
+            sum += f64::from(luminance) * v.dot(facing).max(0.0) * solid_angle_sr(row);
         }
     }
     sum
@@ -114,143 +166,229 @@ impl SkyCover {
     }
 }
 
-impl SkyQuantities {
-    /// All quantities of a panorama of artificial light that nothing hides.
-    pub fn of(panorama: &Panorama) -> Self {
-        Self::of_visible(panorama, &Horizon::flat())
-    }
+/// What is summed over the directions of one response.
+pub(crate) struct Sums {
+    pub(crate) zenith: f64,
+    pub(crate) mean: f64,
+    pub(crate) horizontal: f64,
+    /// Projected solid angle of what is visible, sr: π for an open sky.
+    pub(crate) visible_projected_sr: f64,
+    pub(crate) brightest: f64,
+    brightest_row: usize,
+    brightest_column: usize,
+}
 
-    /// All quantities of the clear sky above a horizon, as [`Self::under`] gives them.
-    pub fn of_visible(panorama: &Panorama, horizon: &Horizon) -> Self {
-        Self::under(SkyCover::Clear, panorama, horizon)
-    }
-
-    /// All quantities of the sky above a horizon. `panorama` is artificial light with its hidden samples 0, as
-    /// [`Horizon::darken`] leaves it.
-    pub fn under(cover: SkyCover, panorama: &Panorama, horizon: &Horizon) -> Self {
-        if cover == SkyCover::Overcast {
-            return Self::with_natural(panorama, horizon, 0.0);
-        }
-        let quantities = Self::with_natural(panorama, horizon, natural_sky_luminance_cd_m2());
-        let total = quantities.zenith_total_luminance_cd_m2;
-        Self {
-            bortle_class: quantities.zenith_total_brightness_mag_arcsec2.map(bortle_class),
-            naked_eye_limit_mag: Some(naked_eye_limit_mag(total)),
-            ..quantities
-        }
-    }
-
-    /// All but quantities of stars, with a uniform natural sky of `natural` cd m⁻².
-    fn with_natural(panorama: &Panorama, horizon: &Horizon, natural: f64) -> Self {
-        let zenith_radiance_w_m2_sr =
-            weighted_mean_radiance(
-                panorama,
-                horizon,
-                |angle| if angle <= ZENITH_CAP_RAD { 1.0 } else { 0.0 },
-            );
-        let zenith = luminance_cd_m2(zenith_radiance_w_m2_sr);
-        let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
-        let sqm = luminance_cd_m2(weighted_mean_radiance(panorama, horizon, |angle| {
-            (-0.5 * (angle / sigma) * (angle / sigma)).exp()
-        }));
-        let mean = luminance_cd_m2(weighted_mean_radiance(panorama, horizon, |_| 1.0));
+impl Sums {
+    pub(crate) fn of(plane: &[f32], horizon: &Horizon) -> Self {
         let mut horizontal = 0.0;
         // What is hidden is taken from π, so that an open sky gives π itself.
         let mut hidden_projected_sr = 0.0;
         let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
-        for row in 0..ELEVATION_COUNT {
+        for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
             let projected_sr = projected_sr(row);
-            for column in 0..AZIMUTH_COUNT {
+            for (column, &value) in values.iter().enumerate() {
                 if horizon.hides_sample(row, column) {
                     hidden_projected_sr += projected_sr;
                     continue;
                 }
-                let luminance = panorama.luminance_cd_m2(row, column);
-                horizontal += luminance * projected_sr;
-                if luminance > brightest.0 {
-                    brightest = (luminance, row, column);
+                let value = f64::from(value);
+                horizontal += value * projected_sr;
+                if value > brightest.0 {
+                    brightest = (value, row, column);
                 }
             }
         }
-        let total_brightness = |luminance: f64| brightness_mag_arcsec2(luminance.max(0.0) + natural);
+        Self {
+            zenith: weighted_mean(plane, horizon, in_zenith_cap),
+            mean: weighted_mean(plane, horizon, |_| 1.0),
+            horizontal,
+            visible_projected_sr: PI - hidden_projected_sr,
+            brightest: brightest.0,
+            brightest_row: brightest.1,
+            brightest_column: brightest.2,
+        }
+    }
+}
+
+impl SkyQuantities {
+    /// All quantities of a sky of artificial light that nothing hides, seen by the light-adapted eye.
+    pub fn of(parts: &[SkyPart]) -> Self {
+        Self::of_visible(parts, &Horizon::flat())
+    }
+
+    /// The same of the clear sky above a horizon, whose hidden samples are 0.
+    pub fn of_visible(parts: &[SkyPart], horizon: &Horizon) -> Self {
+        let seen = SeenSky::of(parts, &SKY_RESPONSES);
+        let numbers = SkyNumbers { parts, seen: &seen, horizon, response: &Response::Photopic };
+        Self::under(SkyCover::Clear, numbers)
+    }
+
+    /// All quantities of a sky of artificial light whose hidden samples are 0, as [`Horizon::darken`] leaves it.
+    pub fn under(cover: SkyCover, sky: SkyNumbers<'_>) -> Self {
+        let quantities = Self::with_natural(sky, cover == SkyCover::Clear);
+        if cover == SkyCover::Overcast {
+            return quantities;
+        }
+        Self {
+            bortle_class: quantities.zenith_total_brightness_mag_arcsec2.map(bortle_class),
+            naked_eye_limit_mag: Some(naked_eye_limit_mag(quantities.zenith_total_luminance_cd_m2)),
+            ..quantities
+        }
+    }
+
+    /// All but quantities of stars, with the natural sky or without.
+    fn with_natural(sky: SkyNumbers<'_>, has_natural: bool) -> Self {
+        let SkyNumbers { parts, seen, horizon, response } = sky;
+        let natural_of = |of: &Response| if has_natural { natural_sky_value(of) } else { 0.0 };
+        let plane = |of: &Response| seen.seen_by(of).unwrap_or_default();
+        let photopic = Sums::of(plane(&Response::Photopic), horizon);
+        let natural = natural_of(&Response::Photopic);
+        let at_zenith = mean_kernels(parts, horizon, in_zenith_cap);
+        let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
+        let in_meter = mean_kernels(parts, horizon, |angle| (-0.5 * (angle / sigma) * (angle / sigma)).exp());
+        let sqm = value_of(parts, &in_meter, &Response::Sqm);
+        let zenith = photopic.zenith;
+        let scotopic = weighted_mean(plane(&Response::Scotopic), horizon, in_zenith_cap);
+        let xyz = [Response::CieX, Response::Photopic, Response::CieZ]
+            .map(|of| weighted_mean(plane(&of), horizon, in_zenith_cap));
+        let colour = Colour::of_tristimulus(xyz);
+        let total_brightness =
+            |luminance: f64, natural: f64| brightness_mag_arcsec2(luminance.max(0.0) + natural);
         Self {
             zenith_luminance_cd_m2: zenith,
             zenith_brightness_mag_arcsec2: brightness_mag_arcsec2(zenith),
             zenith_total_luminance_cd_m2: zenith + natural,
-            zenith_total_brightness_mag_arcsec2: total_brightness(zenith),
+            zenith_total_brightness_mag_arcsec2: total_brightness(zenith, natural),
             ratio_to_natural: zenith / natural_sky_luminance_cd_m2(),
             sqm_luminance_cd_m2: sqm,
-            sqm_total_brightness_mag_arcsec2: total_brightness(sqm),
-            mean_luminance_cd_m2: mean,
-            horizontal_illuminance_lx: horizontal,
-            horizontal_total_illuminance_lx: horizontal + (PI - hidden_projected_sr) * natural,
-            brightest_luminance_cd_m2: brightest.0,
-            brightest_azimuth_deg: azimuth_rad(brightest.2).to_degrees(),
-            brightest_elevation_deg: elevation_rad(brightest.1).to_degrees(),
+            sqm_total_brightness_mag_arcsec2: total_brightness(sqm, natural_of(&Response::Sqm)),
+            mean_luminance_cd_m2: photopic.mean,
+            horizontal_illuminance_lx: photopic.horizontal,
+            horizontal_total_illuminance_lx: photopic.horizontal + photopic.visible_projected_sr * natural,
+            brightest_luminance_cd_m2: photopic.brightest,
+            brightest_azimuth_deg: azimuth_rad(photopic.brightest_column).to_degrees(),
+            brightest_elevation_deg: elevation_rad(photopic.brightest_row).to_degrees(),
             bortle_class: None,
             naked_eye_limit_mag: None,
-            zenith_radiance_w_m2_sr,
+            zenith_radiance_w_m2_sr: RGB_BANDS.each_ref().map(|band| value_of(parts, &at_zenith, band)),
+            zenith_scotopic_luminance_cd_m2: scotopic,
+            zenith_scotopic_photopic_ratio: (zenith > 0.0).then(|| scotopic / zenith),
+            zenith_chromaticity: colour.map(|(chromaticity, _)| chromaticity),
+            zenith_colour_temperature_k: colour.and_then(|(_, temperature_k)| temperature_k),
+            zenith_by_response: Response::ALL
+                .iter()
+                .map(|of| ZenithValue::new(of, value_of(parts, &at_zenith, of), natural_of(of)))
+                .collect(),
+            seen: (*response != Response::Photopic).then(|| {
+                let sums = Sums::of(plane(response), horizon);
+                ResponseQuantities::new(response, &sums, natural_of(response))
+            }),
         }
     }
+}
+
+/// A sky of one kind of light, of which `rule` of the photopic response gives `luminance`.
+#[cfg(test)]
+pub(crate) fn uniform_kernel(light: &crate::spectrum::Light, luminance_cd_m2: f64) -> f64 {
+    luminance_cd_m2 / light.rule(&Response::Photopic).value([1.0; NODE_COUNT])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Panorama, spectrum::LampPreset};
+    use std::sync::Arc;
 
-    fn uniform(radiance: f32) -> Panorama {
-        Panorama::from_samples(vec![radiance; Panorama::LEN]).unwrap()
+    /// A uniform sky of the default lamp with a luminance, cd m⁻².
+    fn uniform(luminance_cd_m2: f64) -> Vec<SkyPart> {
+        let light = Arc::clone(LampPreset::Mixed.lamp().light());
+        let kernel = uniform_kernel(&light, luminance_cd_m2) as f32;
+        vec![SkyPart { light, kernel: Panorama::from_samples(vec![kernel; Panorama::LEN]).unwrap() }]
     }
 
     /// A uniform sky gives πL on the ground and half of it on a wall.
     #[test]
     fn a_uniform_sky_gives_pi_l() {
-        let panorama = uniform(1e-6);
-        let luminance = luminance_cd_m2([f64::from(1e-6f32); 3]);
-        let quantities = SkyQuantities::of(&panorama);
-        assert!((quantities.horizontal_illuminance_lx / (PI * luminance) - 1.0).abs() < 1e-9);
-        assert!((vertical_illuminance_lx(&panorama, 0.3) / (PI * luminance / 2.0) - 1.0).abs() < 1e-3);
+        let (parts, luminance) = (uniform(1e-3), 1e-3);
+        let quantities = SkyQuantities::of(&parts);
+        assert!((quantities.horizontal_illuminance_lx / (PI * luminance) - 1.0).abs() < 1e-6);
+        let seen = SeenSky::of(&parts, &SKY_RESPONSES);
+        let on_wall = vertical_illuminance_lx(seen.plane(1), 0.3);
+        assert!((on_wall / (PI * luminance / 2.0) - 1.0).abs() < 1e-3);
         for value in [
             quantities.zenith_luminance_cd_m2,
-            quantities.sqm_luminance_cd_m2,
             quantities.mean_luminance_cd_m2,
             quantities.brightest_luminance_cd_m2,
+            quantities.zenith_by_response[0].value,
         ] {
-            assert!((value / luminance - 1.0).abs() < 1e-9);
+            assert!((value / luminance - 1.0).abs() < 1e-6, "{value}");
         }
+    }
+
+    /// A uniform sky has the colour of its lamp, and as many scotopic lumens to each photopic one.
+    #[test]
+    fn a_uniform_sky_has_the_colour_of_its_lamp() {
+        let quantities = SkyQuantities::of(&uniform(1e-3));
+        let colour = LampPreset::Mixed.colour().unwrap();
+        assert!(
+            (quantities.zenith_scotopic_photopic_ratio.unwrap() / colour.scotopic_photopic_ratio - 1.0).abs()
+                < 2e-3
+        );
+        let chromaticity = quantities.zenith_chromaticity.unwrap();
+        assert!((0..2).all(|at| (chromaticity[at] - colour.chromaticity[at]).abs() < 1e-3));
+        let temperature = quantities.zenith_colour_temperature_k.unwrap();
+        assert!((temperature / colour.temperature_k.unwrap() - 1.0).abs() < 5e-3, "{temperature}");
+        // The meter sees more of it than the eye, whose magnitudes agree for sunlight.
+        let by = |name: &str| {
+            let found = quantities.zenith_by_response.iter().find(|value| value.response == name);
+            found.unwrap().brightness_mag_arcsec2.unwrap()
+        };
+        assert!(
+            (0.3..0.8).contains(&(by("sqm") - by("photopic"))) && by("johnson_b") > by("johnson_v") + 0.5
+        );
     }
 
     /// A dark sky is natural and has no artificial magnitude.
     #[test]
     fn a_dark_sky_is_natural() {
-        let quantities = SkyQuantities::of(&Panorama::dark());
+        let quantities = SkyQuantities::of(&[]);
         assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
         assert!((quantities.zenith_total_brightness_mag_arcsec2.unwrap() - 22.0).abs() < 1e-9);
         assert_eq!(quantities.bortle_class, Some(1));
         assert!((quantities.naked_eye_limit_mag.unwrap() - 6.27).abs() < 0.01);
+        assert_eq!((quantities.zenith_chromaticity, quantities.zenith_scotopic_photopic_ratio), (None, None));
     }
 
     /// Under clouds totals are artificial light alone, and there are no stars.
     #[test]
     fn overcast_totals_are_artificial_light() {
-        let (panorama, open) = (uniform(1e-6), Horizon::flat());
-        let (clear, cloudy) =
-            (SkyQuantities::of(&panorama), SkyQuantities::under(SkyCover::Overcast, &panorama, &open));
+        let (parts, open) = (uniform(1e-3), Horizon::flat());
+        let under = |cover: SkyCover, parts: &[SkyPart]| {
+            let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
+            let seen = SeenSky::of(parts, &responses);
+            let response = &Response::Melanopic;
+            SkyQuantities::under(cover, SkyNumbers { parts, seen: &seen, horizon: &open, response })
+        };
+        let (clear, cloudy) = (under(SkyCover::Clear, &parts), under(SkyCover::Overcast, &parts));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
         assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
         assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
         assert_eq!((cloudy.bortle_class, cloudy.naked_eye_limit_mag), (None, None));
         assert_eq!(cloudy.ratio_to_natural, clear.ratio_to_natural);
         assert!(clear.horizontal_total_illuminance_lx > 1.0001 * cloudy.horizontal_total_illuminance_lx);
-        let dark = SkyQuantities::under(SkyCover::Overcast, &Panorama::dark(), &open);
-        assert_eq!(dark.zenith_total_brightness_mag_arcsec2, None);
+        let (seen, total) = (clear.seen.unwrap(), cloudy.seen.unwrap());
+        assert_eq!((seen.response.as_str(), seen.zenith, seen.mean), ("melanopic", total.zenith, total.mean));
+        assert!(seen.zenith_total > seen.zenith && total.zenith_total == total.zenith);
+        assert_eq!(under(SkyCover::Overcast, &[]).zenith_total_brightness_mag_arcsec2, None);
     }
 
     #[test]
     fn the_brightest_direction_is_found_where_it_is() {
-        let mut panorama = uniform(1e-9);
-        panorama.samples_mut()[Panorama::index(1, 3, 64)] = 1.0;
-        let quantities = SkyQuantities::of(&panorama);
+        let mut parts = uniform(1e-6);
+        for node in 0..NODE_COUNT {
+            parts[0].kernel.samples_mut()[Panorama::index(node, 3, 64)] = 1.0;
+        }
+        let quantities = SkyQuantities::of(&parts);
         assert!((quantities.brightest_azimuth_deg - 90.0).abs() < 1e-9);
         assert!((quantities.brightest_elevation_deg - 3.5 * 90.0 / 64.0).abs() < 1e-9);
     }

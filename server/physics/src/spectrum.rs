@@ -4,15 +4,18 @@ mod colour;
 mod gauss;
 mod lamp_tables;
 mod lamps;
+mod light;
 mod nodes;
 mod response;
 mod response_tables;
 mod rule;
 
 pub use colour::Colour;
-pub use lamps::LampSpectrum;
-pub use nodes::{NODE_COUNT, NODES_NM, lagrange};
-pub use response::{Quantity, Response};
+pub use lamps::LampPreset;
+pub use light::Light;
+pub use nodes::{NODE_COUNT, lagrange, nodes_nm};
+pub use response::{RGB_BANDS, Response};
+pub(crate) use rule::FLOOR as KERNEL_FLOOR;
 pub use rule::SpectralRule;
 
 use crate::error::PhysicsError;

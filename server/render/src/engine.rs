@@ -139,31 +139,27 @@ impl Engine {
         self.submit(&request)?.blocking_recv().unwrap_or(Err(RenderError::Stopped))
     }
 
-    /// Renders parts of one sky, in a batch if they fit, and adds them up.
+    /// Renders parts of one sky, in a batch if they fit.
     ///
     /// # Errors
     /// As [`Self::render`].
-    pub async fn render_together(&self, parts: &[RenderRequest]) -> Result<Rendered, RenderError> {
-        let mut sky: Option<Rendered> = None;
+    pub async fn render_each(&self, parts: &[RenderRequest]) -> Result<Vec<Rendered>, RenderError> {
+        let mut skies = Vec::with_capacity(parts.len());
         for batch in parts.chunks(MAX_BATCH) {
             let waiting: Vec<_> = batch.iter().map(|part| self.submit(part)).collect::<Result<_, _>>()?;
             for part in waiting {
-                let part = part.await.unwrap_or(Err(RenderError::Stopped))?;
-                sky = Some(match sky {
-                    Some(sky) => sky.with(&part),
-                    None => part,
-                });
+                skies.push(part.await.unwrap_or(Err(RenderError::Stopped))?);
             }
         }
-        Ok(sky.unwrap_or_else(|| Rendered::dark(self.info.executor)))
+        Ok(skies)
     }
 
-    /// [`Self::render_together`] for threads outside an asynchronous runtime. Panics inside one.
+    /// [`Self::render_each`] for threads outside an asynchronous runtime. Panics inside one.
     ///
     /// # Errors
     /// As [`Self::render`].
-    pub fn render_together_blocking(&self, parts: &[RenderRequest]) -> Result<Rendered, RenderError> {
-        pollster::block_on(self.render_together(parts))
+    pub fn render_each_blocking(&self, parts: &[RenderRequest]) -> Result<Vec<Rendered>, RenderError> {
+        pollster::block_on(self.render_each(parts))
     }
 
     /// Destroys the device under the engine, which must recover by itself: for tests of recovery.

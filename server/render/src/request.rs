@@ -64,32 +64,6 @@ impl Rendered {
             basis_count: 0,
         }
     }
-
-    /// The sky of both together.
-    pub fn with(mut self, other: &Self) -> Self {
-        let samples = self.panorama.samples_mut().iter_mut();
-        samples.zip(other.panorama.samples()).for_each(|(sum, sample)| *sum += sample);
-        for pass in &other.passes {
-            match self.passes.iter_mut().find(|known| known.name == pass.name) {
-                // Parts of one batch have its times.
-                Some(known) if other.batch_size > 1 => {
-                    known.microseconds = known.microseconds.max(pass.microseconds);
-                }
-                Some(known) => known.microseconds += pass.microseconds,
-                None => self.passes.push(*pass),
-            }
-        }
-        self.batch_size = self.batch_size.max(other.batch_size);
-        self.basis_count = self.basis_count.max(other.basis_count);
-        self.work = WorkCount {
-            mixed_nodes: self.work.mixed_nodes + other.work.mixed_nodes,
-            lit_cells: self.work.lit_cells + other.work.lit_cells,
-            lit_columns: self.work.lit_columns + other.work.lit_columns,
-            lit_bands: self.work.lit_bands.max(other.work.lit_bands),
-            packs: self.work.packs.max(other.work.packs),
-        };
-        self
-    }
 }
 
 /// Time of one pass over a whole batch, all packs together; near lights are of each request. Where requests come together it holds

@@ -170,7 +170,7 @@ fn replaced_lamps_are_separate_lights() {
         LampChange { from: None, to: LampPreset::Led4000k.lamp(), preserved: PreservedFlux::LuminousFlux };
     let lamps = Edit {
         area: area.clone(),
-        change: Change::Alter { factor: 1.0, lamp: Some(to_led), emission: None },
+        change: Change::Alter { factor: 1.0, lamp: Some(to_led.clone()), emission: None },
     };
     let shield = EmissionMix::lambert();
     let shades = Edit {

@@ -60,7 +60,7 @@ fn check_sky(request: &SkyRequest) {
     );
     assert!(request.observer_height.altitude_m(skyglow_scene::Ground::Unknown).is_finite(), "{request:?}");
     assert!(
-        request.lamp.flux_per_dnb_flux.iter().all(|flux| flux.is_finite() && *flux >= 0.0),
+        request.lamp.flux_per_dnb_flux().iter().all(|flux| flux.is_finite() && *flux >= 0.0),
         "{request:?}"
     );
 }

@@ -9,8 +9,11 @@ use serde::Serialize;
 use skyglow_observatory::{
     InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
-use skyglow_physics::{Emission, EmissionKeep, GarstangLaw, Lamp, LampPreset, Lobe};
+use skyglow_physics::{
+    Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe, Response, spectrum::Colour,
+};
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// Where the observer is.
@@ -32,17 +35,52 @@ pub struct ObserverAnswer {
 pub struct LampAnswer {
     /// The preset's name, or null for a custom lamp.
     pub preset: Option<String>,
-    /// Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is
-    /// an assumption.
+    /// Named lamps of a mix with their shares of the lumens; null for others.
+    pub mix: Option<BTreeMap<String, f64>>,
+    /// Flux in R, G, B (600–700, 500–600, 400–500 nm) per flux weighted by the satellite's response. A satellite sees no blue: the
+    /// lamp is an assumption.
     pub flux_per_dnb_flux: [f64; 3],
+    /// Lumens per watt that the satellite sees.
+    pub lumens_per_dnb_watt: f64,
+    /// Scotopic over photopic flux; null without visible light.
+    pub scotopic_photopic_ratio: Option<f64>,
+    /// Correlated colour temperature, K; null where it has none.
+    pub colour_temperature_k: Option<f64>,
 }
 
-impl From<Lamp> for LampAnswer {
-    fn from(lamp: Lamp) -> Self {
+impl From<&Lamp> for LampAnswer {
+    fn from(lamp: &Lamp) -> Self {
+        let spectrum = lamp.light().spectrum();
+        let colour = Colour::of(spectrum);
+        let shares = |shares: &Vec<(LampPreset, f64)>| {
+            shares.iter().map(|(lamp, share)| (lamp.name().to_owned(), *share)).collect()
+        };
         Self {
-            preset: lamp.preset.map(|preset| preset.name().to_owned()),
-            flux_per_dnb_flux: lamp.flux_per_dnb_flux,
+            preset: lamp.preset().map(|preset| preset.name().to_owned()),
+            mix: match lamp.kind() {
+                LampKind::Mix(parts) => Some(shares(parts)),
+                _ => None,
+            },
+            flux_per_dnb_flux: lamp.flux_per_dnb_flux(),
+            lumens_per_dnb_watt: spectrum.lumens(),
+            scotopic_photopic_ratio: colour.map(|colour| colour.scotopic_photopic_ratio),
+            colour_temperature_k: colour.and_then(|colour| colour.temperature_k),
         }
+    }
+}
+
+/// What sees the sky.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct ResponseAnswer {
+    /// Its name, or `custom` for a curve of the user's own.
+    pub name: String,
+    /// Unit of what it sees.
+    pub unit: String,
+}
+
+impl From<&Response> for ResponseAnswer {
+    fn from(response: &Response) -> Self {
+        Self { name: response.name().to_owned(), unit: response.unit().to_owned() }
     }
 }
 
@@ -112,6 +150,8 @@ pub struct Assumptions {
     pub ground_albedo: Option<f64>,
     /// The lamp.
     pub lamp: LampAnswer,
+    /// What sees the sky, where it is not the light-adapted eye.
+    pub response: ResponseAnswer,
     /// The emission.
     pub emission: EmissionAnswer,
     /// `none`, or the altitude of the base of a closed layer of cloud in metres above sea level.
@@ -174,7 +214,8 @@ impl Assumptions {
             local_optical_depth: context.local_optical_depth,
             scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
-            lamp: request.lamp.into(),
+            lamp: (&request.lamp).into(),
+            response: (&request.response).into(),
             emission: request.emission.into(),
             clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(request),
@@ -201,7 +242,7 @@ fn sky_warnings(
         ObserverHeight::AboveSea(altitude_m) => below_ground_warning(altitude_m, context.ground),
     };
     let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
-    let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, request.lamp));
+    let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
     let words = [coverage_warning(context.coverage), ground, skyline, cloud_warning(request)];
     words.into_iter().flatten().chain(lamps).collect()
 }
@@ -218,8 +259,8 @@ fn coverage_warning(coverage: f64) -> Option<String> {
 }
 
 /// What is said where a scenario replaces lamps that are not there.
-fn lamp_warning(from: LampPreset, asked: Lamp) -> String {
-    let all = asked.preset.map_or("of their own kind", LampPreset::name);
+fn lamp_warning(from: LampPreset, asked: &Lamp) -> String {
+    let all = asked.preset().map_or("of their own kind", LampPreset::name);
     let from = from.name();
     format!(
         "the scenario replaces {from} lamps, but where it does there are none of them: the lamps of the scene are taken to be \

@@ -1,12 +1,13 @@
 //! What a map of the zenith's brightness depends on.
 
 use super::{
-    EmissionAnswer, LampAnswer, SceneReference,
+    EmissionAnswer, LampAnswer, ResponseAnswer, SceneReference,
     assumptions::{hides_lights, open_lights_warning},
 };
 use crate::facts::SourceFacts;
 use serde::Serialize;
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M};
+use skyglow_physics::Response;
 use skyglow_scene::ChangeId;
 
 /// What every number of a map of brightness depends on; written into its rasters.
@@ -28,6 +29,8 @@ pub struct BrightnessAssumptions {
     pub ground_albedo: Option<f64>,
     /// The lamp.
     pub lamp: LampAnswer,
+    /// What sees the sky.
+    pub response: ResponseAnswer,
     /// The emission.
     pub emission: EmissionAnswer,
     /// Whether light counts only above the skyline that its source sees towards the observer.
@@ -36,6 +39,14 @@ pub struct BrightnessAssumptions {
     pub step_pixels: u32,
     /// What the numbers had to do without, one sentence each.
     pub warnings: Vec<String>,
+}
+
+/// What a map of brightness shows, in words.
+pub fn brightness_shows(response: &Response) -> String {
+    match response {
+        Response::Photopic => "artificial luminance at the zenith".to_owned(),
+        other => format!("artificial light at the zenith, {}", other.name()),
+    }
 }
 
 impl BrightnessAssumptions {
@@ -55,7 +66,8 @@ impl BrightnessAssumptions {
             turbidity: request.turbidity.value(),
             scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
-            lamp: request.lamp.into(),
+            lamp: (&request.lamp).into(),
+            response: (&request.response).into(),
             emission: request.emission.into(),
             hidden_lights: hides_lights(request.terrain_hides, scene, kind),
             step_pixels: map.places().lattice().step,

@@ -171,6 +171,7 @@ impl InfluenceAnswer {
         boundary: Option<&Boundary>,
     ) -> Self {
         let total = map.total().influence;
+        let unit = measure.unit(&assumptions.response.unit);
         let part = |part: Part| PartAnswer::new(part, total);
         let ring = |(edges, of): (&[f64], Part)| RingAnswer {
             distance_from_m: edges[0],
@@ -191,7 +192,7 @@ impl InfluenceAnswer {
         Self {
             assumptions,
             measure: measure_name(measure).to_owned(),
-            unit: measure.unit().to_owned(),
+            unit: unit,
             total,
             lit_pixels: map.pixels().len() as u64,
             scale: map.scale,

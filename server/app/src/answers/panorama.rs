@@ -4,7 +4,7 @@ use super::Assumptions;
 use serde::Serialize;
 use skyglow_display::Sky;
 use skyglow_observatory::RenderedSky;
-use skyglow_physics::{AZIMUTH_COUNT, Band, ELEVATION_COUNT, Panorama, SkyQuantities};
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, SeenSky, SkyQuantities, spectrum::RGB_BANDS};
 use utoipa::ToSchema;
 
 /// The grid of a panorama.
@@ -32,14 +32,16 @@ pub struct PanoramaAnswer {
     pub assumptions: Assumptions,
     /// Where the samples are.
     pub grid: PanoramaGrid,
-    /// Wavelengths of the bands R, G, B, nm.
-    pub bands_nm: [f64; 3],
-    /// Unit of the samples.
+    /// First and last wavelength of the bands R, G, B, nm.
+    pub bands_nm: [[f64; 2]; 3],
+    /// Unit of `radiance`.
     pub unit: String,
     /// Which light the samples hold: `artificial` or `total`.
     pub light: Light,
     /// `radiance[band][row][column]`; 0 below the horizon, whichever light.
     pub radiance: Vec<Vec<Vec<f32>>>,
+    /// What the response sees, `values[row][column]`, in its unit; 0 below the horizon, whichever light.
+    pub values: Vec<Vec<f32>>,
     /// Elevation below which the terrain hides the sky, by column, degrees, 0 to 90: 0 everywhere where
     /// `terrain_occlusion` is false.
     pub horizon_deg: Vec<f64>,
@@ -60,11 +62,9 @@ pub enum Light {
 impl PanoramaAnswer {
     /// The answer for a rendered sky.
     pub fn new(assumptions: Assumptions, sky: &RenderedSky, light: Sky) -> Self {
-        let added = light.added_radiance_w_m2_sr() as f32;
-        let samples = sky.panorama.samples();
-        let row_of = |band: usize, row: usize| -> Vec<f32> {
-            let start = Panorama::index(band, row, 0);
-            let row_samples = samples[start..start + AZIMUTH_COUNT].iter().enumerate();
+        let bands = SeenSky::of(&sky.parts, &RGB_BANDS);
+        let row_of = |plane: &[f32], added: f32, row: usize| -> Vec<f32> {
+            let row_samples = plane[row * AZIMUTH_COUNT..][..AZIMUTH_COUNT].iter().enumerate();
             row_samples
                 .map(
                     |(column, radiance)| {
@@ -83,14 +83,22 @@ impl PanoramaAnswer {
                 elevation_first_deg: 0.5 * 90.0 / ELEVATION_COUNT as f64,
                 elevation_step_deg: 90.0 / ELEVATION_COUNT as f64,
             },
-            bands_nm: Band::ALL.map(Band::wavelength_nm),
+            bands_nm: [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]],
             unit: "W m-2 sr-1".to_owned(),
             light: match light {
                 Sky::Artificial => Light::Artificial,
                 Sky::Total => Light::Total,
             },
-            radiance: (0..Band::ALL.len())
-                .map(|band| (0..ELEVATION_COUNT).map(|row| row_of(band, row)).collect())
+            radiance: RGB_BANDS
+                .iter()
+                .enumerate()
+                .map(|(place, band)| {
+                    let added = light.added(band) as f32;
+                    (0..ELEVATION_COUNT).map(|row| row_of(bands.plane(place), added, row)).collect()
+                })
+                .collect(),
+            values: (0..ELEVATION_COUNT)
+                .map(|row| row_of(sky.values(), light.added(&sky.response) as f32, row))
                 .collect(),
             horizon_deg: sky
                 .horizon

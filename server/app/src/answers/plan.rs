@@ -183,12 +183,12 @@ fn why_not(wanted: f64, least: f64, of_protected: f64, of_uncut: f64, unit: &str
 }
 
 fn planned_site(site: &SiteOutcome, scene: &SceneMetadata, facts: &SourceFacts) -> PlannedSite {
-    let unit = site.influence.measure.unit();
+    let unit = site.influence.measure.unit(site.influence.sky.response.unit());
     let (before, after) = (site.before.value, site.after.value);
     PlannedSite {
         assumptions: Assumptions::new(&site.influence.sky, scene, &site.before.sky.context, facts),
         measure: measure_name(&site.influence.measure).to_owned(),
-        unit: unit.to_owned(),
+        unit: unit.clone(),
         before,
         after,
         reduced_by: 1.0 - if before > 0.0 { after / before } else { 1.0 },
@@ -199,7 +199,7 @@ fn planned_site(site: &SiteOutcome, scene: &SceneMetadata, facts: &SourceFacts) 
             of_protected: target.of_protected,
             of_uncut: target.of_uncut,
             why_not: (!target.is_met)
-                .then(|| why_not(target.wanted, target.least, target.of_protected, target.of_uncut, unit)),
+                .then(|| why_not(target.wanted, target.least, target.of_protected, target.of_uncut, &unit)),
         }),
         sky_before: site.before.sky.quantities.clone(),
         sky_after: site.after.sky.quantities.clone(),

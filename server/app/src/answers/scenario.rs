@@ -4,7 +4,7 @@ use super::SceneReference;
 use crate::format::rfc3339;
 use serde::Serialize;
 use skyglow_observatory::ScenarioRecord;
-use skyglow_physics::Lamp;
+use skyglow_physics::{Lamp, LampKind};
 use skyglow_scene::{Area, Change, ChangeId, Edit, Listed, Outline, Scenario};
 use utoipa::ToSchema;
 
@@ -93,9 +93,9 @@ impl EditAnswer {
         match &edit.change {
             Change::Alter { factor, lamp, emission } => Self {
                 factor: Some(*factor),
-                lamp: lamp.map(|change| lamp_value(&change.to)),
-                lamp_from: lamp.and_then(|change| change.from).map(|from| from.name().to_owned()),
-                keep: lamp.map(|change| change.preserved.name().to_owned()),
+                lamp: lamp.as_ref().map(|change| lamp_value(&change.to)),
+                lamp_from: lamp.as_ref().and_then(|change| change.from).map(|from| from.name().to_owned()),
+                keep: lamp.as_ref().map(|change| change.preserved.name().to_owned()),
                 emission: emission.map(|mix| mix.weights()),
                 ..empty
             },
@@ -109,8 +109,18 @@ impl EditAnswer {
     }
 }
 
+/// A lamp as a request would name it.
 fn lamp_value(lamp: &Lamp) -> serde_json::Value {
-    lamp.preset.map_or_else(|| lamp.flux_per_dnb_flux.to_vec().into(), |preset| preset.name().into())
+    match lamp.kind() {
+        LampKind::Preset(preset) => preset.name().into(),
+        LampKind::Bands(flux_per_dnb_flux) => flux_per_dnb_flux.to_vec().into(),
+        LampKind::Mix(shares) => {
+            let parts: Vec<String> =
+                shares.iter().map(|(lamp, share)| format!("{}:{share}", lamp.name())).collect();
+            parts.join(",").into()
+        }
+        LampKind::Spectrum(_) => "custom".into(),
+    }
 }
 
 /// A scenario and what it does to its scene.

@@ -6,7 +6,7 @@ use super::{
     influence::body_of,
     keeping::{Keeping, read_keeping},
     points::points_schema,
-    sky::lamp_of,
+    spectra::lamp_of,
 };
 use crate::{
     error::AppError,
@@ -313,11 +313,14 @@ fn read_alteration(
 }
 
 fn read_lamp(reader: &mut Reader, name: &str, body: &FixtureBody) -> Option<Lamp> {
-    let lamp = lamp_of(&body.text());
-    if lamp.is_none() {
-        reader.fail_part(name, "is no lamp", &p::LAMP.allowed(), ValidationCode::NotAllowed);
+    match lamp_of(&body.text()) {
+        Ok(lamp) => Some(lamp),
+        Err(reason) => {
+            let reason = reason.as_deref().unwrap_or("is no lamp");
+            reader.fail_part(name, reason, &p::LAMP.allowed(), ValidationCode::NotAllowed);
+            None
+        }
     }
-    lamp
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! The parameters of a sky: where, in what air, under which lamps.
 
-use super::emission::read_emission;
+use super::{
+    emission::read_emission,
+    spectra::{read_lamp, read_response},
+};
 use crate::{
     facts::{KindFacts, SourceFacts},
     parameters as p,
@@ -9,7 +12,7 @@ use crate::{
 };
 use skyglow_display::Sky;
 use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest};
-use skyglow_physics::{Emission, GeoPoint, Lamp, LampPreset, Turbidity};
+use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
 
@@ -33,6 +36,7 @@ pub(super) struct Conditions {
     scattering: Scattering,
     cloud_base_m: Option<u32>,
     lamp: Lamp,
+    response: Response,
     emission: Emission,
     basis: Option<usize>,
     tolerance: Option<f64>,
@@ -47,9 +51,8 @@ impl Conditions {
         place: GeoPoint,
         observer_height: ObserverHeight,
     ) -> SkyRequest {
-        let Self {
-            turbidity, scattering, cloud_base_m, lamp, emission, basis, tolerance, terrain_hides, ..
-        } = *self;
+        let Self { turbidity, scattering, cloud_base_m, emission, basis, tolerance, terrain_hides, .. } =
+            *self;
         SkyRequest {
             scene,
             scenario: self.scenario.clone(),
@@ -58,7 +61,8 @@ impl Conditions {
             turbidity,
             scattering,
             cloud_base_m,
-            lamp,
+            lamp: self.lamp.clone(),
+            response: self.response.clone(),
             emission,
             basis,
             tolerance,
@@ -68,13 +72,14 @@ impl Conditions {
 
     /// The brightness of all places of a scene under them; what means nothing there is left out.
     pub(super) fn over_all(self, scene: SceneId, max_places: usize) -> BrightnessRequest {
-        let Self { scenario, turbidity, scattering, lamp, emission, terrain_hides, .. } = self;
+        let Self { scenario, turbidity, scattering, lamp, response, emission, terrain_hides, .. } = self;
         BrightnessRequest {
             scene,
             scenario,
             turbidity,
             scattering,
             lamp,
+            response,
             emission,
             terrain_hides,
             max_places,
@@ -94,6 +99,7 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
     let kind = cloud_base_m.and_then(|cloud_base_m| read_kind(reader, facts, cloud_base_m));
     let turbidity = read_turbidity(reader, facts, kind);
     let lamp = read_lamp(reader);
+    let response = read_response(reader);
     let emission = read_emission(reader);
     let basis = read_basis(reader, facts, kind);
     let tolerance = read_tolerance(reader);
@@ -105,6 +111,7 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
         scattering: kind?.scattering,
         cloud_base_m: cloud_base_m?,
         lamp,
+        response,
         emission,
         basis,
         tolerance,
@@ -239,19 +246,4 @@ fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFa
             None
         }
     }
-}
-
-fn read_lamp(reader: &mut Reader) -> Lamp {
-    let Some(text) = reader.text(&p::LAMP) else { return Lamp::default() };
-    let lamp = lamp_of(text);
-    if lamp.is_none() {
-        reader.fail(&p::LAMP, ValidationCode::NotAllowed, None, None);
-    }
-    lamp.unwrap_or_default()
-}
-
-/// A lamp by its preset's name, or by three fluxes `r,g,b`.
-pub(super) fn lamp_of(text: &str) -> Option<Lamp> {
-    let preset = LampPreset::from_name(text).map(LampPreset::lamp);
-    preset.or_else(|| Reader::three_numbers(text).and_then(|fluxes| Lamp::custom(fluxes).ok()))
 }

@@ -283,7 +283,7 @@ fn height_and_altitude_exclude_each_other() {
 #[test]
 fn lamps_and_emissions_may_be_given_as_numbers() {
     let (sky, _) = read("lat=-1&lon=36&lamp=0.1,0.2,0.3&emission=1,1,2").unwrap();
-    assert_eq!(sky.lamp.flux_per_dnb_flux, [0.1, 0.2, 0.3]);
+    assert_eq!(sky.lamp, skyglow_physics::Lamp::custom([0.1, 0.2, 0.3]).unwrap());
     assert_eq!(sky.emission.mix().weights(), [0.25, 0.25, 0.5]);
     for bad in ["lamp=0,0,0", "lamp=1,2", "lamp=-1,1,1", "emission=0,0,0", "emission=a", "emission=1,2,-1"] {
         assert_eq!(refused(&format!("lat=-1&lon=36&{bad}")).0, Refusal::BadParameters, "{bad}");

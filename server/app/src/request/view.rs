@@ -5,6 +5,7 @@ use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use serde::Serialize;
 use skyglow_display::options::MAX_PICTURE_PX;
 use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
+use skyglow_physics::Response;
 
 /// How a panorama is to be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -15,9 +16,9 @@ pub struct PictureRequest {
     pub raster_size_px: (u32, u32),
 }
 
-pub(super) fn read_view(reader: &mut Reader) -> PictureRequest {
+pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequest {
     let projection = read_projection(reader);
-    let style = read_style(reader);
+    let style = read_style(reader, response);
     let sky = read_light(reader);
     let (width_px, height_px) = (reader.integer(&p::WIDTH), reader.integer(&p::HEIGHT_PX));
     let legend = reader.choice(&p::LEGEND) != Some("off");
@@ -74,7 +75,7 @@ fn read_projection(reader: &mut Reader) -> Projection {
     if named == Some("fisheye") { Projection::Fisheye } else { Projection::Equirectangular }
 }
 
-fn read_style(reader: &mut Reader) -> Style {
+fn read_style(reader: &mut Reader, response: &Response) -> Style {
     let realistic = reader.choice(&p::STYLE) == Some("realistic");
     let colormap = reader.choice(&p::COLORMAP).and_then(Colormap::from_name).unwrap_or_default();
     let scale = match reader.choice(&p::SCALE) {
@@ -82,7 +83,17 @@ fn read_style(reader: &mut Reader) -> Style {
         _ => Scale::Luminance,
     };
     let exposure_ev = reader.number(&p::EXPOSURE);
-    let default = ColourRange::of(scale);
+    if scale == Scale::Magnitude && !response.has_magnitude() {
+        let message = Some(format!("means nothing for what {} sees", response.name()));
+        let allowed = Some("with photopic, sqm, johnson_b, johnson_v or johnson_r".to_owned());
+        reader.fail(&p::SCALE, ValidationCode::Conflict, message, allowed);
+    }
+    if realistic && *response != Response::Photopic {
+        let message = Some("means nothing for a picture in the colours that an eye sees".to_owned());
+        let allowed = Some("with style=false_colour alone".to_owned());
+        reader.fail(&p::RESPONSE, ValidationCode::Conflict, message, allowed);
+    }
+    let default = ColourRange::for_response(scale, response);
     let min = reader.number_of_any_size(&p::MIN).unwrap_or(default.min);
     let max = reader.number_of_any_size(&p::MAX).unwrap_or(default.max);
     if realistic {

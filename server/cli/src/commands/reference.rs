@@ -18,14 +18,16 @@ use skyglow_app::{
 };
 use skyglow_observatory::{RenderContext, RenderedSky, SkyRequest};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon, Lamp,
-    SkyCover, SkyQuantities, SourcePixel,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon,
+    Response, SkyPart, SourcePixel,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
+    spectrum::{Light, RGB_BANDS},
 };
 use skyglow_scene::{ChangeLimits, ChangeStore, Scene, SceneId, SceneMetadata, SceneStore};
 use skyglow_tables::{Clouds, Scattering};
+use std::sync::Arc;
 
 /// Compute the sky by summing every pixel exactly (slow; needs no packs) and print it as JSON
 ///
@@ -82,8 +84,10 @@ struct DirectionAnswer {
     column: usize,
     azimuth_deg: f64,
     elevation_deg: f64,
-    /// In R, G, B, W m⁻² sr⁻¹; 0 where terrain hides the sky.
-    radiance: [f64; BAND_COUNT],
+    /// In R, G, B (600–700, 500–600, 400–500 nm), W m⁻² sr⁻¹; 0 where terrain hides the sky.
+    radiance: [f64; 3],
+    /// What the response sees, in its unit; 0 where terrain hides the sky.
+    value: f64,
 }
 
 impl Reference {
@@ -126,45 +130,38 @@ impl Reference {
         // Ground needs no sum, and what lies between directions of the sky is not to take from its darkness.
         let is_sky = |&(row, column): &GridSample| !horizon.hides_sample(row, column);
         let visible: Vec<GridSample> = self.directions.0.iter().copied().filter(is_sky).collect();
-        let mut radiance = vec![[0.0; BAND_COUNT]; visible.len()];
+        let mut kernels = Vec::new();
         for (fixture, sources) in &kinds {
-            let (mix, flux_per_dnb_flux) = request
-                .emission
-                .of_fixture(fixture, &request.lamp)
-                .map_err(|error| Failure::Usage(error.to_string()))?;
-            let light = SkyRequest {
-                emission: mix.into(),
-                lamp: Lamp { flux_per_dnb_flux, ..request.lamp },
-                ..request.clone()
-            };
-            add(&mut radiance, sum(atmosphere, &light, altitude_m, sources, &visible));
+            let (mix, flux_factor) =
+                request.emission.of_fixture(fixture).map_err(|error| Failure::Usage(error.to_string()))?;
+            let light = SkyRequest { emission: mix.into(), ..request.clone() };
+            let mut kernel = sum(atmosphere, &light, altitude_m, sources, &visible);
             if request.scattering == Scattering::Multiple {
-                add(&mut radiance, self.later_orders(atmosphere, &light, altitude_m, sources, &visible)?);
+                add(&mut kernel, self.later_orders(atmosphere, &light, altitude_m, sources, &visible)?);
             }
+            kernel.iter_mut().flatten().for_each(|value| *value *= flux_factor);
+            kernels.push((fixture.light(&request.lamp), kernel));
         }
-        let mut panorama = panorama_between(&visible, &radiance);
-        horizon.darken(&mut panorama);
-        let sky = RenderedSky {
-            quantities: SkyQuantities::under(SkyCover::with_clouds(clouds.is_some()), &panorama, &horizon),
-            panorama,
-            horizon,
-            context: RenderContext {
-                altitude_m,
-                ground,
-                coverage: scene.coverage(request.place),
-                calibration: scene.metadata().calibration,
-                local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
-                flux_dnb_w: kinds
-                    .iter()
-                    .flat_map(|(_, sources)| sources)
-                    .map(|blocked| blocked.source.flux_dnb_w)
-                    .sum(),
-                basis_count: 0,
-                basis_error_bound: None,
-                lamps_not_met: Vec::new(),
-            },
-            passes: Vec::new(),
+        let parts = kernels.iter().map(|(light, kernel)| SkyPart {
+            light: Arc::clone(light),
+            kernel: panorama_between(&visible, kernel),
+        });
+        let context = RenderContext {
+            altitude_m,
+            ground,
+            coverage: scene.coverage(request.place),
+            calibration: scene.metadata().calibration,
+            local_optical_depth: atmosphere.vertical_optical_depth(altitude_m),
+            flux_dnb_w: kinds
+                .iter()
+                .flat_map(|(_, sources)| sources)
+                .map(|blocked| blocked.source.flux_dnb_w)
+                .sum(),
+            basis_count: 0,
+            basis_error_bound: None,
+            lamps_not_met: Vec::new(),
         };
+        let sky = RenderedSky::new(&request, parts.collect(), horizon, context);
         // Skylines come from the terrain itself, also where the scene was stored without them.
         let metadata = SceneMetadata { light_skylines: scene.metadata().terrain, ..scene.metadata().clone() };
         let mut assumptions = Assumptions::new(&request, &metadata, &sky.context, &facts);
@@ -186,14 +183,23 @@ impl Reference {
                 // What is interpolated cannot judge, direction by direction.
                 fields.remove("radiance");
             }
-            let natural_w_m2_sr = light.added_radiance_w_m2_sr();
-            let of_sky = visible.iter().zip(&radiance);
-            let mut directions: Vec<DirectionAnswer> = of_sky
-                .map(|(&sample, bands)| direction_answer(sample, bands.map(|value| value + natural_w_m2_sr)))
+            let seen = |response: &Response, at: usize| {
+                let of_kind = |(light, kernel): &(Arc<Light>, Vec<[f64; BAND_COUNT]>)| {
+                    light.rule(response).value(kernel[at])
+                };
+                kernels.iter().map(of_kind).sum::<f64>() + light.added(response)
+            };
+            let mut directions: Vec<DirectionAnswer> = visible
+                .iter()
+                .enumerate()
+                .map(|(at, &sample)| {
+                    let radiance = RGB_BANDS.each_ref().map(|band| seen(band, at));
+                    direction_answer(sample, radiance, seen(&request.response, at))
+                })
                 .collect();
             let is_ground = |&&(row, column): &&GridSample| sky.horizon.hides_sample(row, column);
             let hidden = self.directions.0.iter().filter(is_ground);
-            directions.extend(hidden.map(|&sample| direction_answer(sample, [0.0; BAND_COUNT])));
+            directions.extend(hidden.map(|&sample| direction_answer(sample, [0.0; 3], 0.0)));
             directions.sort_by_key(|direction| (direction.row, direction.column));
             fields.insert("directions".to_owned(), serde_json::to_value(directions).map_err(Failure::work)?);
         }
@@ -234,7 +240,7 @@ impl Reference {
         let stages = Stages::new();
         let fields = sum.field_count(sources);
         stages.begin(&format!("later orders: {fields} fields"), fields as u64);
-        sum.cut_radiance(sources, request.lamp.flux_per_dnb_flux, &directions, &|| stages.advance(1))
+        sum.cut_radiance(sources, [1.0; BAND_COUNT], &directions, &|| stages.advance(1))
             .map_err(|error| Failure::Usage(error.to_string()))
     }
 }
@@ -276,13 +282,13 @@ fn sum(
         sources,
         altitude_m,
         request.emission.mix(),
-        request.lamp.flux_per_dnb_flux,
+        [1.0; BAND_COUNT],
         &directions,
         &|| stages.advance(1),
     )
 }
 
-fn direction_answer((row, column): GridSample, radiance: [f64; BAND_COUNT]) -> DirectionAnswer {
+fn direction_answer((row, column): GridSample, radiance: [f64; 3], value: f64) -> DirectionAnswer {
     let direction = grid_direction((row, column));
     DirectionAnswer {
         row,
@@ -290,5 +296,6 @@ fn direction_answer((row, column): GridSample, radiance: [f64; BAND_COUNT]) -> D
         azimuth_deg: direction.azimuth_rad.to_degrees(),
         elevation_deg: direction.elevation_rad.to_degrees(),
         radiance,
+        value,
     }
 }

@@ -82,9 +82,10 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::bands_sky;
     use crate::{Projection, Sky, raster::raster};
     use exr::prelude::{ReadChannels, ReadLayers, read};
-    use skyglow_physics::{Horizon, Panorama};
+    use skyglow_physics::Horizon;
 
     /// Channel names with their samples, in the file's order (alphabetical).
     fn channels(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
@@ -118,7 +119,7 @@ mod tests {
 
     #[test]
     fn the_channels_of_an_exr_say_their_unit() {
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
         let bytes = encode_exr(&raster, &Notes::default()).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
@@ -134,7 +135,7 @@ mod tests {
     /// An EXR says what it shows and on what assumptions.
     #[test]
     fn an_exr_holds_description_and_assumptions() {
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
         let bytes = encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
@@ -158,7 +159,7 @@ mod tests {
     /// An EXR of a fisheye has an alpha that says where sky is.
     #[test]
     fn a_fisheye_exr_has_sky_as_alpha() {
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels[0].0, "A");

@@ -94,14 +94,15 @@ fn gdal_metadata(notes: &Notes) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixtures::bands_sky;
     use crate::{Projection, Sky, raster::raster};
-    use skyglow_physics::{Horizon, Panorama};
+    use skyglow_physics::Horizon;
     use tiff::decoder::{Decoder, DecodingResult};
 
     #[test]
     fn the_bands_of_a_tiff_are_named_with_their_unit() {
         let size = Projection::Equirectangular.default_raster_size_px();
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         let mut decoder =
             Decoder::new(Cursor::new(encode_tiff(&raster, &Notes::default()).unwrap())).unwrap();
@@ -117,7 +118,7 @@ mod tests {
     #[test]
     fn a_tiff_holds_description_and_assumptions() {
         let size = Projection::Equirectangular.default_raster_size_px();
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
         let notes = Notes::new("a sky", r#"{"attribution":"A & B <c>"}"#);
         let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster, &notes).unwrap())).unwrap();

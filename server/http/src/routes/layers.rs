@@ -17,7 +17,7 @@ use axum::{
     http::{HeaderMap, Response},
 };
 use skyglow_app::{
-    answers::BrightnessAssumptions,
+    answers::{BrightnessAssumptions, brightness_shows},
     parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
     request::{brightness, scene_id},
     source::SkySource,
@@ -145,17 +145,19 @@ async fn brightness_layer(
         let write = move |_: &dyn SkySource, _: &Work| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
+            let what = brightness_shows(&map.response);
             let shows = match map.places().lattice().step {
-                1 => "artificial luminance at the zenith".to_owned(),
+                1 => what,
                 step => format!(
-                    "artificial luminance at the zenith, found for blocks of {step} x {step} pixels, linear between their middles"
+                    "{what}, found for blocks of {step} x {step} pixels, linear between their middles"
                 ),
             };
             let description = notes::description(shows, map.scene().illustrative);
             let pixels = on_every_pixel(map.open_scene(), map.places());
             let pixels =
                 pixels.ok_or_else(|| ApiError::internal("a map of another size than its lattice"))?;
-            let words = RasterMetadata { description: &description, unit: "cd m-2", notes: &notes };
+            let words =
+                RasterMetadata { description: &description, unit: map.response.unit(), notes: &notes };
             map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
         };
         let (made, held) = state.work.long(Lane::Plan, bytes, write).await?;

@@ -24,8 +24,9 @@ use skyglow_app::{
     parameters::OptionalInfluenceParameters,
     request::{brightness, influence, scene_id},
 };
-use skyglow_display::tile::{BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
+use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_range};
 use skyglow_observatory::Measure;
+use skyglow_physics::Response as ResponseKind;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 
 /// Describes a layer of tiles (TileJSON 3.0). What takes seconds to find is begun by this, and `ready` says whether it is found. Its parameters are those of the layer's tiles, and are handed on to them; that of
@@ -65,20 +66,22 @@ pub async fn get_tilejson(
         }
         MapLayer::Brightness => {
             let request = brightness(query.as_deref(), id, facts)?;
+            let response = request.response.clone();
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
             let version = tile_version(&prepared.key)?;
-            (Shown::Brightness { query, version, progress: prepared.begin(&state) }, view)
+            (Shown::Brightness { response, query, version, progress: prepared.begin(&state) }, view)
         }
         MapLayer::Influence => {
             let request = influence(query.as_deref(), None, id, facts, InfluenceFormat::Tiff)?.request;
             let measure = request.measure.clone();
+            let unit = measure.unit(request.sky.response.unit());
             let prepared = PreparedInfluence::prepare(&state, request).await?;
             // What is wrong is refused here and not by every tile, and the tiles have their map.
             let most = prepared.find(&state).await?.brightest_colour();
             let query = query.unwrap_or_default();
             let version = tile_version(&prepared.key)?;
-            (Shown::Influence { measure, version, query, most }, prepared.view().clone())
+            (Shown::Influence { measure, unit, version, query, most }, prepared.view().clone())
         }
     };
     let document = tilejson(view.metadata(), &shown, &layer_name, &address.base());
@@ -94,6 +97,8 @@ enum Shown {
         query: Option<String>,
     },
     Brightness {
+        /// What sees the sky.
+        response: ResponseKind,
         /// As it came.
         query: Option<String>,
         version: String,
@@ -102,6 +107,7 @@ enum Shown {
     },
     Influence {
         measure: Measure,
+        unit: String,
         version: String,
         /// As it came.
         query: String,
@@ -127,15 +133,21 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
                 TileLayer::Radiance => ("nW cm-2 sr-1", Some(RADIANCE_RANGE_NW_CM2_SR.into())),
                 TileLayer::Elevation => ("m", None),
             };
-            (description(*layer, illustrative), given(query), version, unit, range)
+            (description(*layer, illustrative), given(query), version, unit.to_owned(), range)
         }
-        Shown::Brightness { query, version, .. } => {
-            let range = Some(BRIGHTNESS_RANGE_CD_M2.into());
-            (brightness_description(illustrative), given(query), version, "cd m-2", range)
+        Shown::Brightness { response, query, version, .. } => {
+            let range = Some(brightness_range(response).into());
+            (
+                brightness_description(response, illustrative),
+                given(query),
+                version,
+                response.unit().to_owned(),
+                range,
+            )
         }
-        Shown::Influence { measure, version, query, most } => {
+        Shown::Influence { measure, unit, version, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);
-            (influence_description(measure, illustrative), query.clone(), version, measure.unit(), range)
+            (influence_description(measure, illustrative), query.clone(), version, unit.clone(), range)
         }
     };
     // What comes from another version has another address: caches may keep tiles for ever.

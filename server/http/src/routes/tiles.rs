@@ -17,7 +17,7 @@ use axum::{
 use serde::Serialize;
 use skyglow_app::{
     accept::InfluenceFormat,
-    answers::measure_name,
+    answers::{brightness_shows, measure_name},
     error::AppError,
     parameters::OptionalInfluenceParameters,
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
@@ -27,8 +27,8 @@ use skyglow_app::{
 use skyglow_display::{
     Notes, notes,
     tile::{
-        BRIGHTNESS_RANGE_CD_M2, INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_tile_png,
-        elevation_tile_png, influence_tile_png, radiance_tile_png,
+        INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_range, brightness_tile_png, elevation_tile_png,
+        influence_tile_png, radiance_tile_png,
     },
 };
 use skyglow_observatory::Measure;
@@ -270,11 +270,13 @@ async fn brightness_tile(
     }
     let draw = async {
         let map = prepared.find(state).await?;
-        let notes = Notes::new(&brightness_description(map.scene().illustrative), "");
+        let notes = Notes::new(&brightness_description(&map.response, map.scene().illustrative), "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
             let tile = map.tile(place, size_px).map_err(AppError::from)?;
-            brightness_tile_png(&tile.values, &tile.has_data, size_px, &notes).map_err(ApiError::internal)
+            let range = brightness_range(&map.response);
+            brightness_tile_png(&tile.values, &tile.has_data, size_px, range, &notes)
+                .map_err(ApiError::internal)
         };
         state.work.drawn(tile_bytes(address), draw).await
     };
@@ -308,11 +310,13 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
 }
 
 /// What is said of the layer of brightness.
-pub(super) fn brightness_description(illustrative: bool) -> String {
-    let (dark, bright) = BRIGHTNESS_RANGE_CD_M2;
+pub(super) fn brightness_description(response: &skyglow_physics::Response, illustrative: bool) -> String {
+    let (dark, bright) = brightness_range(response);
+    let what = brightness_shows(response);
     let shows = format!(
-        "Artificial luminance at the zenith, {dark:e} to {bright:e} cd m-2 (a hundredth of the natural sky of 22.0 mag arcsec-2 to \
-         forty times that) on a logarithmic scale; less is transparent"
+        "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the natural sky to forty times that) on a logarithmic scale; less is \
+         transparent",
+        response.unit()
     );
     notes::description(shows, illustrative)
 }

@@ -14,7 +14,8 @@ use skyglow_observatory::{
     RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SkyQuantities,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SeenSky, SkyPart,
+    spectrum::RGB_BANDS,
 };
 use skyglow_render::{EngineStats, PassTime};
 use skyglow_scene::{
@@ -113,10 +114,16 @@ pub(crate) const BOUNDS: [f64; 4] = [36.0, -2.0, 38.0, 1.0];
 /// Altitude of the ground everywhere in it unless a test says otherwise, metres.
 pub(crate) const GROUND_M: f64 = 1700.0;
 
+/// The same in R, G, B of the default lamp.
+pub(crate) fn bands_of(turbidity: f64) -> SeenSky {
+    let light = Arc::clone(skyglow_physics::Lamp::default().light());
+    SeenSky::of(&[SkyPart { light, kernel: sky_of(turbidity) }], &RGB_BANDS)
+}
+
 /// A sky that is bright in the low east, in proportion to turbidity.
 pub(crate) fn sky_of(turbidity: f64) -> Panorama {
     let mut panorama = Panorama::dark();
-    for band in 0..3 {
+    for band in 0..BAND_COUNT {
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
                 let from_east = (column as f64 - 64.0).abs().min(256.0 - (column as f64 - 64.0).abs());
@@ -209,26 +216,24 @@ impl Fake {
         }
         let horizon =
             if request.terrain_hides { self.horizon.lock().unwrap().clone() } else { Horizon::flat() };
-        horizon.darken(&mut panorama);
+        let context = RenderContext {
+            altitude_m,
+            ground: self.ground(),
+            coverage: *self.coverage.lock().unwrap(),
+            calibration: 1.0,
+            local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(altitude_m),
+            flux_dnb_w: 1e6,
+            basis_count: request.basis.unwrap_or(if request.tolerance.is_some() { 16 } else { 64 }),
+            basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
+            lamps_not_met: Vec::new(),
+        };
+        let parts = vec![SkyPart { light: Arc::clone(request.lamp.light()), kernel: panorama }];
         Ok(RenderedSky {
-            quantities: SkyQuantities::of_visible(&panorama, &horizon),
-            panorama,
-            horizon,
-            context: RenderContext {
-                altitude_m,
-                ground: self.ground(),
-                coverage: *self.coverage.lock().unwrap(),
-                calibration: 1.0,
-                local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(altitude_m),
-                flux_dnb_w: 1e6,
-                basis_count: request.basis.unwrap_or(if request.tolerance.is_some() { 16 } else { 64 }),
-                basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
-                lamps_not_met: Vec::new(),
-            },
             passes: vec![
                 PassTime { name: "coefficients", microseconds: 900.0 },
                 PassTime { name: "basis sum", microseconds: 80.0 },
             ],
+            ..RenderedSky::new(request, parts, horizon, context)
         })
     }
 }

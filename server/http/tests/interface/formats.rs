@@ -1,9 +1,9 @@
 use crate::{
-    fake::sky_of,
+    fake::bands_of,
     server::{PLACE, Server, header},
 };
 use serde_json::Value;
-use skyglow_physics::{AZIMUTH_COUNT, Horizon, Panorama, photometry};
+use skyglow_physics::{AZIMUTH_COUNT, Horizon, photometry, spectrum::RGB_BANDS};
 use std::io::Cursor;
 
 async fn body(server: &Server, path: &str) -> (String, Vec<u8>) {
@@ -38,7 +38,7 @@ async fn png_and_webp_show_the_same_sky() {
 #[tokio::test]
 async fn tiff_and_json_hold_the_rendered_radiance() {
     let server = Server::start().await;
-    let sky = sky_of(3.0);
+    let sky = bands_of(3.0);
     let (media_type, tif) =
         body(&server, &format!("/api/v1/scenes/demo/panorama.tif?{PLACE}&turbidity=3")).await;
     assert_eq!(media_type, "image/tiff");
@@ -48,8 +48,8 @@ async fn tiff_and_json_hold_the_rendered_radiance() {
         panic!("not float32")
     };
     // Zenith at the top in the raster, row 0 lowest in the grid.
-    assert_eq!(values[(63 * 256 + 64) * 3 + 1], sky.samples()[Panorama::index(1, 0, 64)]);
-    assert_eq!(values[2], sky.samples()[Panorama::index(2, 63, 0)]);
+    assert_eq!(values[(63 * 256 + 64) * 3 + 1], sky.plane(1)[64]);
+    assert_eq!(values[2], sky.plane(2)[63 * 256]);
 
     let (media_type, json) =
         body(&server, &format!("/api/v1/scenes/demo/panorama.json?{PLACE}&turbidity=3")).await;
@@ -57,11 +57,11 @@ async fn tiff_and_json_hold_the_rendered_radiance() {
     let json: Value = serde_json::from_slice(&json).unwrap();
     for (band, row, column) in [(0, 0, 0), (1, 3, 64), (2, 63, 255)] {
         let value = json["radiance"][band][row][column].as_f64().unwrap() as f32;
-        assert_eq!(value, sky.samples()[Panorama::index(band, row, column)]);
+        assert_eq!(value, sky.plane(band)[256 * row + column]);
     }
     assert_eq!(json["grid"]["azimuth_count"], 256);
     assert_eq!(json["grid"]["elevation_first_deg"], 0.703125);
-    assert_eq!(json["bands_nm"], serde_json::json!([680.0, 550.0, 440.0]));
+    assert_eq!(json["bands_nm"], serde_json::json!([[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]]));
     assert_eq!(json["unit"], "W m-2 sr-1");
     assert_eq!(json["horizon_deg"].as_array().unwrap().len(), 256);
     assert_eq!(json["coverage"], 0.95);
@@ -149,11 +149,16 @@ async fn the_total_sky_adds_the_natural_one() {
         let path = format!("/api/v1/scenes/demo/panorama.json?{PLACE}&sky={light}");
         let (_, json) = server.json(&path).await;
         assert_eq!(json["light"], light);
-        let bands: Vec<f64> = (0..3).map(|b| json["radiance"][b][40][7].as_f64().unwrap()).collect();
-        photometry::luminance_cd_m2([bands[0], bands[1], bands[2]])
+        let bands = [0, 1, 2].map(|b| json["radiance"][b][40][7].as_f64().unwrap());
+        (bands, json["values"][40][7].as_f64().unwrap())
     };
-    let added = sample("total").await - sample("artificial").await;
-    assert!((added / photometry::natural_sky_luminance_cd_m2() - 1.0).abs() < 1e-4, "{added}");
+    let ((total, seen_total), (artificial, seen)) = (sample("total").await, sample("artificial").await);
+    let added = (seen_total - seen) / photometry::natural_sky_luminance_cd_m2();
+    assert!((added - 1.0).abs() < 1e-4, "{added}");
+    for (band, (total, artificial)) in RGB_BANDS.iter().zip(total.into_iter().zip(artificial)) {
+        let added = (total - artificial) / photometry::natural_sky_value(band);
+        assert!((added - 1.0).abs() < 1e-4, "{added}");
+    }
 }
 
 /// Terrain hides the sky in every format, and `terrain=off` shows all of it.

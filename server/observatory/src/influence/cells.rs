@@ -5,13 +5,15 @@ use super::{
     correlation::correlate,
     norms::NormsOfPack,
     products::products,
-    ready::{ReadyRequest, ReadyRequests},
+    ready::{KnownSky, ReadyRequest, ReadyRequests},
     scales::{Slope, scales_of},
-    sensitivity::sensitivities,
+    sensitivity::{sensitivities, spectral_weights},
 };
 use crate::{cache_sizes::CacheSizes, error::ObservatoryError};
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, LinearMeasure, Panorama, panorama::solid_angle_sr, spectrum::SpectralRule,
+};
 use skyglow_render::{
     cpu::CpuExecutor,
     prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
@@ -26,14 +28,23 @@ const CELLS_AT_ONCE: usize = 1024;
 /// Steepest slope of ln(measure) over altitude in use, m⁻¹: next to the ground of a near lamp a step of the axis is metres.
 const STEEPEST_PER_M: f64 = 0.02;
 
+/// A linear measure of what a response sees of one kind of light.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenMeasure<'a> {
+    /// Weights of directions.
+    pub measure: &'a LinearMeasure,
+    /// What the response makes of the light.
+    pub rule: &'a SpectralRule,
+}
+
 /// What is asked of every cell.
 #[derive(Clone, Copy, Debug)]
 pub enum MeasureOfCells<'a> {
-    /// A linear measure of luminance: cells add up to the sky's own value.
-    Linear(&'a LinearMeasure),
-    /// ‖luminance image of the cell alone‖ = (∫ L² dΩ)^½ over the open upper hemisphere, cd m⁻² sr^½ (paper Eq. 10–11 for any
-    /// basis: √(cᵀ·gram·c)). Between turbidities the logarithms of the packs' norms are blended.
-    Norm,
+    /// A linear measure: cells add up to the sky's own value.
+    Linear(SeenMeasure<'a>),
+    /// ‖image of the cell alone‖ = (∫ L² dΩ)^½ over the open upper hemisphere, in the response's unit times sr^½ (paper Eq. 10–11 for
+    /// any basis: √(cᵀ·gram·c)). Between turbidities the logarithms of the packs' norms are blended.
+    Norm(&'a SpectralRule),
 }
 
 /// What a cell does to a measure.
@@ -139,7 +150,7 @@ impl InfluenceSolver {
             MeasureOfCells::Linear(measure) => {
                 of_sky = Some(self.linear(&ready, measure, &mut of_cells));
             }
-            MeasureOfCells::Norm => self.norms(&ready, &mut of_cells),
+            MeasureOfCells::Norm(rule) => self.norms(&ready, rule, &mut of_cells),
         }
         let found: Vec<CellInfluence> = (places.par_iter().zip(&of_cells).zip(&prepared.cells))
             .with_min_len(CELLS_AT_ONCE)
@@ -162,7 +173,7 @@ impl InfluenceSolver {
     ///
     /// # Errors
     /// As [`Prepared::new`].
-    pub fn norm(&self, request: &RenderRequest) -> Result<f64, ObservatoryError> {
+    pub fn norm(&self, request: &RenderRequest, rule: &SpectralRule) -> Result<f64, ObservatoryError> {
         let prepared = Prepared::new(request, &self.set)?;
         if prepared.is_dark() {
             return Ok(0.0);
@@ -174,7 +185,7 @@ impl InfluenceSolver {
             if let Some(near) = &prepared.near {
                 near.apply(&self.set, sky.samples_mut());
             }
-            luminance_norm(&sky)
+            norm_of_values(&values_of(&sky, rule))
         }))
     }
 
@@ -187,13 +198,45 @@ impl InfluenceSolver {
         &self,
         request: &RenderRequest,
         sky: &RenderRequest,
-        measure: &LinearMeasure,
+        measure: SeenMeasure<'_>,
     ) -> Result<Vec<(usize, f64)>, ObservatoryError> {
         let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
-        let known = ready.sky.as_ref().and_then(|sky| sky.between.as_ref().zip(sky.near.as_ref()));
-        Ok(known.map_or_else(Vec::new, |(between, (near, shown))| {
-            near.influences(&self.set, between.samples(), shown, measure)
-        }))
+        let Some(KnownSky { between: Some(between), whole: Some(whole), near: Some((near, shown)), .. }) =
+            &ready.sky
+        else {
+            return Ok(Vec::new());
+        };
+        Ok(near.influences(&self.set, between.samples(), shown, spectral_weights(whole, measure)))
+    }
+
+    /// What each cell of the request's grid alone does to a linear measure of the kernel at every node, per DNB watt. The turbidity is
+    /// to be one of the packs': between them skies are no sums.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn kernels(
+        &self,
+        request: &RenderRequest,
+        measure: &LinearMeasure,
+    ) -> Result<Vec<[f64; BAND_COUNT]>, ObservatoryError> {
+        let ready = self.ready.get(request, None, &self.set, &self.executor)?;
+        let prepared = &ready.prepared;
+        let mut sums = vec![[0.0; BAND_COUNT]; prepared.cells.len()];
+        let weights: Vec<f32> =
+            (0..BAND_COUNT).flat_map(|_| measure.weights().iter().map(|weight| *weight as f32)).collect();
+        for (pack, nodes) in prepared.turbidity_stencil.nodes().zip(&ready.nodes) {
+            let tables = &self.set.tables()[pack];
+            let basis_count = prepared.basis_count.min(tables.basis_count);
+            let correlated = correlate(self.executor.twiddles(), tables, basis_count, &weights);
+            let products = products(prepared, &nodes.mixed, &correlated);
+            let flux = prepared.flux_per_dnb_flux;
+            for ((sum, cell), products) in sums.iter_mut().zip(&prepared.cells).zip(&products) {
+                *sum = scales_of(cell, &nodes.scales)
+                    .times(flux, cell.upper_weight, products)
+                    .map(|slope| slope.value);
+            }
+        }
+        Ok(sums)
     }
 
     /// d(place on the offset axis)/d(altitude) of a cell, m⁻¹.
@@ -214,29 +257,30 @@ impl InfluenceSolver {
         axis.position_per_m(offset_m)
     }
 
-    /// Adds up what cells do, and gives the sky's own value.
-    fn linear(&self, ready: &ReadyRequest, measure: &LinearMeasure, sum: &mut [Slope]) -> f64 {
+    /// Adds up what cells do, and gives what they do to the sky together.
+    fn linear(&self, ready: &ReadyRequest, measure: SeenMeasure<'_>, sum: &mut [Slope]) -> f64 {
         let (request, Some(sky)) = (&ready.prepared, &ready.sky) else { return 0.0 };
+        let (Some(between), Some(whole)) = (&sky.between, &sky.whole) else { return 0.0 };
         let stencil = &request.turbidity_stencil;
-        let weights = sensitivities(&sky.of_packs, stencil, measure);
+        let of_sky = spectral_weights(whole, measure);
+        let weights = sensitivities(&sky.of_packs, stencil, &of_sky);
         for ((pack, weights), nodes) in stencil.nodes().zip(&weights).zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
             let basis_count = request.basis_count.min(tables.basis_count);
             let correlated = correlate(self.executor.twiddles(), tables, basis_count, weights);
             let products = products(request, &nodes.mixed, &correlated);
+            let flux = request.flux_per_dnb_flux;
             let cells = sum.par_iter_mut().zip(&request.cells).zip(&products).with_min_len(CELLS_AT_ONCE);
             cells.for_each(|((sum, cell), products)| {
-                sum.add(scales_of(cell, &nodes.scales).times(
-                    request.flux_per_dnb_flux,
-                    cell.upper_weight,
-                    products,
-                ));
+                let of_bands = scales_of(cell, &nodes.scales).times(flux, cell.upper_weight, products);
+                of_bands.into_iter().for_each(|of_band| sum.add(of_band));
             });
         }
-        sky.between.as_ref().map_or(0.0, |sky| measure.of(sky))
+        let weighed = of_sky.iter().zip(between.samples()).filter(|(weight, _)| **weight != 0.0);
+        weighed.map(|(weight, kernel)| f64::from(*weight) * f64::from(*kernel)).sum()
     }
 
-    fn norms(&self, ready: &ReadyRequest, logs: &mut [Slope]) {
+    fn norms(&self, ready: &ReadyRequest, rule: &SpectralRule, logs: &mut [Slope]) {
         let (request, stencil) = (&ready.prepared, &ready.prepared.turbidity_stencil);
         for ((pack, weight), nodes) in stencil.iter().zip(&ready.nodes) {
             let tables = &self.set.tables()[pack];
@@ -245,7 +289,7 @@ impl InfluenceSolver {
             let basis_count = request.basis_count.min(tables.basis_count);
             // The nodes alone: a norm knows no azimuth, and no sky is needed.
             let (scales, mixed, stride) = (&nodes.scales, &nodes.mixed, tables.basis_count);
-            let of_pack = NormsOfPack { request, scales, mixed, gram, basis_count, stride };
+            let of_pack = NormsOfPack { request, rule, scales, mixed, gram, basis_count, stride };
             logs.par_iter_mut().zip(&request.cells).with_min_len(64).for_each(|(log, cell)| {
                 let norm = of_pack.norm(cell);
                 log.value += weight * norm.value.max(f64::MIN_POSITIVE).ln();
@@ -259,9 +303,19 @@ impl InfluenceSolver {
     }
 }
 
-/// (∫ L² dΩ)^½ of the luminance of a sky, cd m⁻² sr^½.
-pub(crate) fn luminance_norm(sky: &Panorama) -> f64 {
-    let square = |row: usize, column: usize| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2);
-    let directions = (0..ELEVATION_COUNT).flat_map(|row| (0..AZIMUTH_COUNT).map(move |column| (row, column)));
-    directions.map(|(row, column)| square(row, column)).sum::<f64>().sqrt()
+/// What a rule makes of a kernel in every direction, `[row][column]`.
+pub(super) fn values_of(kernel: &Panorama, rule: &SpectralRule) -> Vec<f32> {
+    let count = Panorama::LEN / BAND_COUNT;
+    let value = |direction: usize| {
+        rule.value(std::array::from_fn(|band| f64::from(kernel.samples()[band * count + direction])))
+    };
+    (0..count).map(|direction| value(direction) as f32).collect()
+}
+
+/// (∫ L² dΩ)^½ of values over the grid, `[row][column]`, in their unit times sr^½.
+pub(crate) fn norm_of_values(values: &[f32]) -> f64 {
+    let square = |(row, values): (usize, &[f32])| {
+        solid_angle_sr(row) * values.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>()
+    };
+    values.chunks_exact(AZIMUTH_COUNT).enumerate().map(square).sum::<f64>().sqrt()
 }

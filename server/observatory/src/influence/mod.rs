@@ -7,8 +7,9 @@
 //! Σ_p w(p)·b(θ_p − θ_i, φ_p) = Σ_k c_k·G_k(θ_i),    G_k(θ) = Σ_p w(p)·B_k(θ_p − θ, φ_p)
 //! ```
 //!
-//! G is a correlation along azimuth: a product of spectra ([`correlation`]). Between turbidities, where logarithms are blended, w is
-//! the derivative of the blend, which is homogeneous of the first degree: cells still add up to the sky's own value ([`sensitivity`]).
+//! G is a correlation along azimuth: a product of spectra ([`correlation`]). Responses, and the blend between turbidities, are taken of
+//! logarithms; w is then their derivative, and as they are homogeneous of the first degree cells still add up to the sky's own value
+//! ([`sensitivity`]).
 
 mod blended_sky;
 mod cells;
@@ -21,8 +22,8 @@ mod scales;
 mod sensitivity;
 mod zenith_kernel;
 
-pub(crate) use cells::luminance_norm;
-pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
+pub(crate) use cells::norm_of_values;
+pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells, SeenMeasure};
 pub use pixels::influence_of_pixels;
 pub use zenith_kernel::{KernelRange, zenith_kernel};
 

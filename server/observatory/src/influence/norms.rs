@@ -1,7 +1,7 @@
 //! Norms of cells: √(cᵀ·gram·c), for no azimuth matters.
 
 use super::scales::{Slope, scales_of, steps_around};
-use skyglow_physics::{Band, simd::multiply_add, simd_dispatch};
+use skyglow_physics::{BAND_COUNT, simd::multiply_add, simd_dispatch, spectrum::SpectralRule};
 use skyglow_render::{
     cpu::layout::{BLOCK, MixedNode, NodeScales},
     prepare::{Prepared, PreparedCell},
@@ -10,6 +10,8 @@ use skyglow_render::{
 /// What the norms of cells in one pack are computed from.
 pub(super) struct NormsOfPack<'a> {
     pub(super) request: &'a Prepared,
+    /// What sees the light of the cells.
+    pub(super) rule: &'a SpectralRule,
     pub(super) scales: &'a [NodeScales],
     pub(super) mixed: &'a [MixedNode],
     /// `[function][function]`, `stride` to a row.
@@ -48,13 +50,14 @@ impl NormsOfPack<'_> {
 
     fn coefficients(&self, cell: &PreparedCell, upper_weight: f32, coefficients: &mut Coefficients) {
         let nodes = self.request.nodes.len();
+        // A light's own sky has much the same colour everywhere: that of its scales, at which the response is taken as linear.
         let scale = scales_of(cell, self.scales).scale(self.request.flux_per_dnb_flux, upper_weight);
+        let slopes = self.rule.gradient(scale.map(f64::from));
+        let factors: [f32; BAND_COUNT] = std::array::from_fn(|band| slopes[band] as f32 * scale[band]);
         let ends = [cell.lower_node, cell.upper_node()].map(|node| node as usize);
         let blocks = coefficients[..self.basis_count].chunks_mut(BLOCK);
         for (nodes, coefficients) in self.mixed.chunks_exact(nodes).zip(blocks) {
-            for band in Band::ALL {
-                let b = band.index();
-                let factor = band.luminous_efficacy_lm_w() as f32 * scale[b];
+            for (b, factor) in factors.into_iter().enumerate() {
                 let factors = [factor * (1.0 - upper_weight), factor * upper_weight];
                 let [lower, upper] = ends.map(|end| &nodes[end].0[b]);
                 for ((sum, lower), upper) in coefficients.iter_mut().zip(lower).zip(upper) {

@@ -32,8 +32,10 @@ pub(super) struct NodesOfPack {
 pub(super) struct KnownSky {
     /// In every pack of the turbidity's stencil, `[band][row][column]`, W m⁻² sr⁻¹.
     pub(super) of_packs: Vec<Vec<f32>>,
-    /// Between them; None where there is no light at all.
+    /// Between them, as cells make it; None where there is no light at all.
     pub(super) between: Option<Panorama>,
+    /// The same with near lights as they are.
+    pub(super) whole: Option<Panorama>,
     /// The near lights and which of them show in it; None where there are none.
     pub(super) near: Option<(NearFieldCorrection, VisibleLights)>,
 }
@@ -118,6 +120,7 @@ impl ReadyRequest {
                 return KnownSky {
                     of_packs: vec![vec![0.0; Panorama::LEN]; packs.len()],
                     between: None,
+                    whole: None,
                     near: None,
                 };
             }
@@ -128,13 +131,17 @@ impl ReadyRequest {
                 let visible = near.visible_lights(set, between.samples());
                 Some((near, visible))
             });
-            KnownSky { of_packs, between, near }
+            let mut whole = between.clone();
+            if let (Some(whole), Some((_, visible))) = (&mut whole, &near) {
+                visible.add_to(whole.samples_mut());
+            }
+            KnownSky { of_packs, between, whole, near }
         });
         let grids = [Some(request), other].map(|held| held.map_or(0, |held| held.polar.byte_count()));
         let of_nodes = |nodes: &NodesOfPack| size_of_val(&*nodes.scales) + size_of_val(&*nodes.mixed);
         let of_sky = sky_known.as_ref().map_or(0, |sky| {
             let of_near = sky.near.as_ref().map_or(0, |(_, visible)| visible.byte_count());
-            (1 + sky.of_packs.len()) * 4 * Panorama::LEN + of_near
+            (2 + sky.of_packs.len()) * 4 * Panorama::LEN + of_near
         });
         let bytes = size_of_val(&*prepared.cells)
             + size_of_val(&*prepared.nodes)
@@ -168,7 +175,7 @@ mod tests {
             RenderRequest { observer_altitude_m: request.observer_altitude_m + 1.0, ..request.clone() },
             RenderRequest { turbidity: Turbidity::new(3.0).unwrap(), ..request.clone() },
             RenderRequest { emission: EmissionMix::lambert(), ..request.clone() },
-            RenderRequest { flux_per_dnb_flux: [1.0, 0.25, 0.125], ..request.clone() },
+            RenderRequest { flux_per_dnb_flux: [0.5; BAND_COUNT], ..request.clone() },
             RenderRequest { basis: Some(7), ..request.clone() },
         ];
         for other in &others {

@@ -14,27 +14,25 @@ const SLOPE_STEP: f32 = 0.02;
 pub(super) struct CellScales<'a>([&'a NodeScales; 2]);
 
 impl CellScales<'_> {
-    /// Σ_b scale·shape of products with a measure, `[lower, upper][band]`, and its slope over the weight of the upper node.
+    /// scale·shape of products with a measure, `[lower, upper][band]`, in every band, and its slope over the weight of the upper node.
     pub(super) fn times(
         &self,
         flux_per_dnb_flux: [f32; BAND_COUNT],
         upper_weight: f32,
         products: &[[f32; BAND_COUNT]; 2],
-    ) -> Slope {
-        let mut sum = Slope::default();
+    ) -> [Slope; BAND_COUNT] {
         let steps = steps_around(upper_weight);
-        for band in 0..BAND_COUNT {
+        std::array::from_fn(|band| {
             let log_scale = |weight: f32| self.log_scale(band, weight);
             let scale = flux_per_dnb_flux[band] * natural_exp(log_scale(upper_weight));
             let [lower, upper] = products.map(|product| product[band]);
             let shape = (1.0 - upper_weight) * lower + upper_weight * upper;
-            sum.value += f64::from(scale * shape);
-            if let Some((low, high)) = steps {
+            let slope = steps.map_or(0.0, |(low, high)| {
                 let log_slope = (log_scale(high) - log_scale(low)) / (high - low);
-                sum.slope += f64::from(scale * (log_slope * shape + upper - lower));
-            }
-        }
-        sum
+                scale * (log_slope * shape + upper - lower)
+            });
+            Slope { value: f64::from(scale * shape), slope: f64::from(slope) }
+        })
     }
 
     fn log_scale(&self, band: usize, upper_weight: f32) -> f32 {
@@ -43,7 +41,7 @@ impl CellScales<'_> {
         log_scale_between(log_scale, curvature, upper_weight)
     }
 
-    /// s_b·scale of every band at a weight of the upper node, W m⁻² sr⁻¹ per DNB watt.
+    /// Flux times scale of every band at a weight of the upper node, m⁻² sr⁻¹ per DNB watt.
     pub(super) fn scale(&self, flux_per_dnb_flux: [f32; BAND_COUNT], upper_weight: f32) -> [f32; BAND_COUNT] {
         std::array::from_fn(|band| flux_per_dnb_flux[band] * natural_exp(self.log_scale(band, upper_weight)))
     }

@@ -1,30 +1,38 @@
-//! What a change of each pack's sky does to a linear measure of the blended one.
+//! What a change of each pack's sky, and of each node in it, does to a linear measure of what a response sees of the blended one.
 
-use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Band, ELEVATION_COUNT, LinearMeasure, interpolation::Stencil,
-};
+use super::SeenMeasure;
+use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama, interpolation::Stencil};
 use skyglow_render::twin::{Blend, MAX_DEVIATION_SHARE, MIN_PACK_RATIO, RADIANCE_FLOOR_W_M2_SR};
 use std::array::{from_fn, from_ref};
 
 const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
 
-/// ∂(measure)/∂(radiance of each pack), `[pack][band][row][column]`, lm W⁻¹ times the measure's weights. `skies` are the packs' own,
+/// ∂(measure)/∂(kernel) at the state of a sky, `[band][row][column]`: Σ weight·kernel over its own samples is its measure (Euler).
+pub(super) fn spectral_weights(sky: &Panorama, SeenMeasure { measure, rule }: SeenMeasure<'_>) -> Vec<f32> {
+    let mut weights = vec![0f32; Panorama::LEN];
+    for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+        let kernel = from_fn(|band| f64::from(sky.samples()[band * DIRECTION_COUNT + direction]));
+        for (band, slope) in rule.gradient(kernel).into_iter().enumerate() {
+            weights[band * DIRECTION_COUNT + direction] = (weight * slope) as f32;
+        }
+    }
+    weights
+}
+
+/// ∂(measure)/∂(radiance of each pack), `[pack][band][row][column]`, given what it is of the blended sky. `skies` are the packs' own,
 /// `[band][row][column]`. Where a sky is black nothing is said: radiance is held at 0 there.
 ///
 /// Over all packs Σ (derivative · radiance) is the measure of the blended sky.
-pub(super) fn sensitivities(skies: &[Vec<f32>], stencil: &Stencil, measure: &LinearMeasure) -> Vec<Vec<f32>> {
+pub(super) fn sensitivities(skies: &[Vec<f32>], stencil: &Stencil, weights: &[f32]) -> Vec<Vec<f32>> {
     let mut of_packs = vec![vec![0f32; BAND_COUNT * DIRECTION_COUNT]; skies.len()];
     let mut radiance = vec![0f64; skies.len()];
-    for band in Band::ALL {
-        for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-            let at = band.index() * DIRECTION_COUNT + direction;
-            for (radiance, sky) in radiance.iter_mut().zip(skies) {
-                *radiance = f64::from(sky[at]);
-            }
-            let slopes = blend_slopes(&radiance, stencil);
-            for (of_pack, slope) in of_packs.iter_mut().zip(slopes) {
-                of_pack[at] = (weight * band.luminous_efficacy_lm_w() * slope) as f32;
-            }
+    for (at, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+        for (radiance, sky) in radiance.iter_mut().zip(skies) {
+            *radiance = f64::from(sky[at]);
+        }
+        let slopes = blend_slopes(&radiance, stencil);
+        for (of_pack, slope) in of_packs.iter_mut().zip(slopes) {
+            of_pack[at] = (f64::from(*weight) * slope) as f32;
         }
     }
     of_packs

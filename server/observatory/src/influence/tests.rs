@@ -1,7 +1,9 @@
 use super::*;
 use proptest::prelude::*;
 use skyglow_physics::{
-    Direction, Horizon, LinearMeasure, Panorama, SkyCurve, Turbidity, panorama::solid_angle_sr,
+    BAND_COUNT, Direction, Horizon, Lamp, LinearMeasure, Panorama, Response, SkyCurve, Turbidity,
+    panorama::solid_angle_sr,
+    spectrum::{Light, SpectralRule, Spectrum},
 };
 use skyglow_render::{
     prepare::Prepared, reference::render_f64, request::RenderRequest, synthetic, table_set::TableSet,
@@ -19,10 +21,24 @@ fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
     RenderRequest { observer_altitude_m: 640.0, ..request }
 }
 
-fn exact_sky(request: &RenderRequest) -> Panorama {
+/// What the dark-adapted eye makes of the default lamp.
+static RULE: LazyLock<Arc<SpectralRule>> =
+    LazyLock::new(|| Lamp::default().light().rule(&Response::Scotopic));
+
+fn linear(measure: &LinearMeasure) -> MeasureOfCells<'_> {
+    MeasureOfCells::Linear(SeenMeasure { measure, rule: &RULE })
+}
+
+/// What the rule makes of the sky, `[row][column]`.
+fn exact_sky(request: &RenderRequest) -> Vec<f32> {
+    exact_sky_by(request, &RULE)
+}
+
+fn exact_sky_by(request: &RenderRequest, rule: &SpectralRule) -> Vec<f32> {
     let prepared = Prepared::new(request, &SET).unwrap();
     let sky = render_f64(&prepared, &SET);
-    Panorama::from_samples(sky.into_iter().map(|value| value as f32).collect()).unwrap()
+    let kernel = Panorama::from_samples(sky.into_iter().map(|value| value as f32).collect()).unwrap();
+    cells::values_of(&kernel, rule)
 }
 
 fn measures() -> Vec<(&'static str, LinearMeasure)> {
@@ -59,7 +75,7 @@ fn cells_add_up_to_the_sky_at_and_between_packs() {
             let request = request(polar, turbidity);
             let sky = exact_sky(&request);
             for (name, measure) in measures() {
-                let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+                let cells = SOLVER.cells(&request, linear(&measure)).unwrap();
                 let (sum, value) = (total(&request, &cells), measure.of(&sky));
                 assert!((sum / value - 1.0).abs() < 1e-4, "{name}, turbidity {turbidity}: {sum:e} {value:e}");
             }
@@ -74,7 +90,7 @@ fn a_cell_switched_off_takes_its_influence_away() {
     let request = request(synthetic::polar_grid_with_skylines(8, 400), 2.5);
     let with_all = exact_sky(&request);
     for (name, measure) in measures() {
-        let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+        let cells = SOLVER.cells(&request, linear(&measure)).unwrap();
         // The brightest, and one in the middle.
         let light = |at: usize| cells[at].per_dnb_w * f64::from(request.polar.cells[at].flux_dnb_w);
         let brightest = (0..cells.len()).max_by(|&a, &b| light(a).total_cmp(&light(b))).unwrap();
@@ -100,7 +116,7 @@ fn the_altitude_slope_is_what_raising_changes() {
         let at = |altitude_m: f32| {
             let request = request(synthetic::polar_grid_of(&[(17, 120, 1e6, altitude_m)]), turbidity);
             let measure = LinearMeasure::zenith(&Horizon::flat());
-            SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap()[0]
+            SOLVER.cells(&request, linear(&measure)).unwrap()[0]
         };
         let (low, middle, high) = (at(1_290.0), at(1_300.0), at(1_310.0));
         let wanted = (high.per_dnb_w / low.per_dnb_w).ln() / 20.0;
@@ -109,18 +125,22 @@ fn the_altitude_slope_is_what_raising_changes() {
     }
 }
 
-/// The norm of a cell is that of its own sky wherever it stands.
+/// The norm of a cell is that of its own sky wherever it stands. Light of one line at a node, of which a response is linear: nodes of
+/// made-up packs are not those of one sky.
 #[test]
 fn the_norm_of_a_cell_is_that_of_its_own_sky() {
+    let line_nm = skyglow_physics::spectrum::nodes_nm()[1];
+    let line = Spectrum::from_fn(|nm| f64::from(u8::from(nm == line_nm)));
+    let rule = Light::new(line).rule(&Response::Photopic);
     let norm_of = |polar: PolarGrid| {
         let request = request(polar, 2.5);
-        let cells = SOLVER.cells(&request, MeasureOfCells::Norm).unwrap();
+        let cells = SOLVER.cells(&request, MeasureOfCells::Norm(&rule)).unwrap();
         let prepared = Prepared::new(&request, &SET).unwrap();
         // Not clamped at 0, as a norm is of the image itself: few of these are below.
-        let sky = exact_sky(&request);
+        let sky = exact_sky_by(&request, &rule);
         let square: f64 = (0..64)
             .flat_map(|row| (0..256).map(move |column| (row, column)))
-            .map(|(row, column)| solid_angle_sr(row) * sky.luminance_cd_m2(row, column).powi(2))
+            .map(|(row, column)| solid_angle_sr(row) * f64::from(sky[row * 256 + column]).powi(2))
             .sum();
         assert_eq!(prepared.cells.len(), 1);
         (cells[0].per_dnb_w * f64::from(request.polar.cells[0].flux_dnb_w), square.sqrt())
@@ -137,11 +157,11 @@ fn the_norm_of_a_cell_is_that_of_its_own_sky() {
 #[test]
 fn what_gives_no_light_has_no_influence() {
     let dark = request(synthetic::dark_grid(), 2.5);
-    assert!(SOLVER.cells(&dark, MeasureOfCells::Norm).unwrap().is_empty());
+    assert!(SOLVER.cells(&dark, MeasureOfCells::Norm(&RULE)).unwrap().is_empty());
     let mut off = request(synthetic::polar_grid(3, 10), 2.5);
-    off.flux_per_dnb_flux = [0.0; 3];
+    off.flux_per_dnb_flux = [0.0; BAND_COUNT];
     let measure = LinearMeasure::mean(&Horizon::flat());
-    let cells = SOLVER.cells(&off, MeasureOfCells::Linear(&measure)).unwrap();
+    let cells = SOLVER.cells(&off, linear(&measure)).unwrap();
     assert!(cells.len() == off.polar.cells.len() && cells.iter().all(|cell| cell.per_dnb_w == 0.0));
 }
 
@@ -156,7 +176,7 @@ proptest! {
         let measure = LinearMeasure::mean(&Horizon::flat());
         let value = |column: usize, flux: f32| {
             let request = request(synthetic::polar_grid_of(&[(column % 256, ring, flux, 500.0)]), 2.5);
-            let cells = SOLVER.cells(&request, MeasureOfCells::Linear(&measure)).unwrap();
+            let cells = SOLVER.cells(&request, linear(&measure)).unwrap();
             cells[0].per_dnb_w
         };
         let here = value(column, 1e5);

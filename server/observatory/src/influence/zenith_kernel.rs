@@ -1,10 +1,12 @@
-//! What a light does to the zenith's luminance, by altitude of the place, distance, height of the light over the place and
+//! What a light does to what is seen at the zenith, by altitude of the place, distance, height of the light over the place and
 //! skyline: a table of the packs' own numbers, for sums over all lights at many places.
 
-use super::{InfluenceSolver, MeasureOfCells};
+use super::InfluenceSolver;
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT};
+use skyglow_physics::{
+    AZIMUTH_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT, spectrum::SpectralRule,
+};
 use skyglow_render::RenderError;
 use skyglow_render::request::RenderRequest;
 use skyglow_scene::{PlaceKernel, PolarCell, PolarGrid, RING_COUNT, UniformAxis};
@@ -42,6 +44,8 @@ impl KernelRange {
 /// The table for a request's air, lamps and emission; its grid, place and altitude do not matter. The turbidity is to be one of
 /// the packs': between them skies are no sums over lights.
 ///
+/// * `rule`: what sees the light; of each light by itself, so that sums over lights of different colour at the eye are up to a per cent
+///   too dark.
 /// * `skylines`: whether lights behind skylines are to be told apart, which the packs must know.
 ///
 /// # Errors
@@ -49,6 +53,7 @@ impl KernelRange {
 pub fn zenith_kernel(
     solver: &InfluenceSolver,
     request: &RenderRequest,
+    rule: &SpectralRule,
     range: &KernelRange,
     skylines: bool,
 ) -> Result<PlaceKernel, ObservatoryError> {
@@ -59,13 +64,13 @@ pub fn zenith_kernel(
         let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
         let polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
         let request = RenderRequest { polar: Arc::new(polar), observer_altitude_m, ..request.clone() };
-        let cells = solver.cells(&request, MeasureOfCells::Linear(&measure))?;
+        let cells = solver.kernels(&request, &measure)?;
         // Cells are by offset, then ring, then blocking angle.
         let of_ring = |ring: usize| (0..offsets.count).map(move |offset| offset * RING_COUNT + ring);
         let values = (0..RING_COUNT).flat_map(of_ring).flat_map(|at| {
             cells[at * blocking_count..(at + 1) * blocking_count]
                 .iter()
-                .map(|cell| cell.per_dnb_w.max(0.0) as f32)
+                .map(|kernel| rule.value(kernel.map(|value| value.max(0.0))) as f32)
         });
         Ok(values.collect())
     };

@@ -3,7 +3,7 @@
 
 use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_observatory::{ObserverHeight, SkyRequest};
-use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Response, Turbidity};
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderRequest, synthetic};
 use skyglow_scene::{IngestOptions, PolarGrid, SceneId, SceneStore, ingest};
 use skyglow_tables::Scattering;
@@ -31,6 +31,7 @@ pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyR
         scattering: Scattering::Single,
         cloud_base_m: None,
         lamp: LampPreset::Mixed.lamp(),
+        response: Response::Photopic,
         emission: EmissionMix::garstang().into(),
         basis: None,
         tolerance: None,
@@ -40,8 +41,7 @@ pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyR
 
 /// A request for that light and turbidity, with an observer between the tables' altitudes.
 pub(crate) fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
-    let request = synthetic::request(polar, Turbidity::new(turbidity).unwrap());
-    RenderRequest { flux_per_dnb_flux: [0.408, 0.642, 0.186], ..request }
+    synthetic::request(polar, Turbidity::new(turbidity).unwrap())
 }
 
 /// Largest |got − exact| / max(|exact|, floor) over the samples; the floor is a thousandth of the mean.

@@ -23,17 +23,23 @@ impl Colour {
     /// The colour of a spectrum; None without visible light.
     pub fn of(spectrum: &Spectrum) -> Option<Self> {
         let xyz = tristimulus(spectrum);
-        let total: f64 = xyz.iter().sum();
-        if !(total > 0.0 && xyz[1] > 0.0) {
-            return None;
-        }
+        let (chromaticity, temperature_k) = Self::of_tristimulus(xyz)?;
         let scotopic = Spectrum::from_samples(&tables::SCOTOPIC).integral_with(spectrum);
         Some(Self {
             xyz,
-            chromaticity: [xyz[0] / total, xyz[1] / total],
-            temperature_k: temperature_k(uv(xyz)),
+            chromaticity,
+            temperature_k,
             scotopic_photopic_ratio: SCOTOPIC_LM_W * scotopic / (PHOTOPIC_LM_W * xyz[1]),
         })
+    }
+}
+
+impl Colour {
+    /// Chromaticity x, y and correlated colour temperature, K, of X, Y, Z in any unit; None without light.
+    pub fn of_tristimulus(xyz: [f64; 3]) -> Option<([f64; 2], Option<f64>)> {
+        let total: f64 = xyz.iter().sum();
+        let has_light = total > 0.0 && xyz[1] > 0.0;
+        has_light.then(|| ([xyz[0] / total, xyz[1] / total], temperature_k(uv(xyz))))
     }
 }
 

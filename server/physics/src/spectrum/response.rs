@@ -1,11 +1,18 @@
 //! Responses of eyes and instruments, in energy: what each makes of a spectral radiance.
 
-use super::{Spectrum, response_tables as tables, wavelength_nm};
+use super::{STEP_NM, Spectrum, response_tables as tables, wavelength_nm};
+use crate::photometry::ZERO_POINT_CD_M2;
+use serde::{Serialize, Serializer};
+use std::{
+    hash::{Hash, Hasher},
+    sync::Arc,
+};
 
-/// What weighs a spectrum: an eye, an animal's, a meter, a satellite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// What weighs a spectrum: an eye, an animal's, a meter, a satellite, or a curve of the user's own.
+#[derive(Clone, Debug, Default)]
 pub enum Response {
-    /// The light-adapted eye, CIE 1924.
+    /// The light-adapted eye, CIE 1924; also ȳ of CIE 1931.
+    #[default]
     Photopic,
     /// The dark-adapted eye, CIE 1951.
     Scotopic,
@@ -21,23 +28,74 @@ pub enum Response {
     Melanopic,
     /// The day/night band of VIIRS.
     Dnb,
+    /// x̄ of the CIE 1931 standard observer.
+    CieX,
+    /// z̄ of the CIE 1931 standard observer.
+    CieZ,
+    /// 1 from `from_nm` to below `to_nm`, 0 elsewhere: the radiance in a part of the spectrum.
+    Band {
+        /// Shortest wavelength, nm.
+        from_nm: u16,
+        /// Its end, nm.
+        to_nm: u16,
+    },
+    /// A curve of the user's own.
+    Custom(Arc<Spectrum>),
 }
 
-/// What a response gives, and in which unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
-    /// A luminance: K_m, lm W⁻¹, times the integral of the curve.
-    Luminance {
-        /// Largest luminous efficacy, lm W⁻¹.
-        max_efficacy_lm_w: f64,
-    },
-    /// A magnitude arcsec⁻²: the radiance per nm, weighted by the curve, that 0 mag has.
-    Magnitude {
-        /// W m⁻² nm⁻¹ of 0 mag.
-        zero_w_m2_nm: f64,
-    },
-    /// A radiance, W m⁻² sr⁻¹: the integral as it is.
-    Radiance,
+/// The parts of the spectrum whose radiance rasters hold: R, G, B.
+pub const RGB_BANDS: [Response; 3] = [
+    Response::Band { from_nm: 600, to_nm: 700 },
+    Response::Band { from_nm: 500, to_nm: 600 },
+    Response::Band { from_nm: 400, to_nm: 500 },
+];
+
+impl Response {
+    /// What tells responses apart: a number for each kind, and the samples of a curve.
+    fn key(&self) -> (u8, [u16; 2], Option<&Spectrum>) {
+        let number = match self {
+            Response::Photopic => 0,
+            Response::Scotopic => 1,
+            Response::JohnsonB => 2,
+            Response::JohnsonV => 3,
+            Response::JohnsonR => 4,
+            Response::Sqm => 5,
+            Response::Melanopic => 6,
+            Response::Dnb => 7,
+            Response::CieX => 8,
+            Response::CieZ => 9,
+            Response::Band { from_nm, to_nm } => return (10, [*from_nm, *to_nm], None),
+            Response::Custom(curve) => return (11, [0; 2], Some(curve)),
+        };
+        (number, [0; 2], None)
+    }
+}
+
+impl PartialEq for Response {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+/// Samples are finite: [`Spectrum::from_csv`] refuses others.
+impl Eq for Response {}
+
+impl Hash for Response {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let (number, ends, curve) = self.key();
+        (number, ends).hash(state);
+        curve.into_iter().flat_map(|curve| curve.0).for_each(|sample| sample.to_bits().hash(state));
+    }
+}
+
+/// By its name, or as the samples of its curve.
+impl Serialize for Response {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Response::Custom(curve) => curve.0.as_slice().serialize(serializer),
+            named => named.name().serialize(serializer),
+        }
+    }
 }
 
 /// Solid angle of a square arcsecond, sr.
@@ -47,6 +105,10 @@ const ARCSEC2_SR: f64 = 2.350_443_053_909_789e-11;
 pub(super) const PHOTOPIC_LM_W: f64 = 683.0;
 /// Scotopic luminous efficacy at 507 nm, lm W⁻¹.
 pub(super) const SCOTOPIC_LM_W: f64 = 1700.0;
+/// Melanopic efficacy of daylight (D65), W lm⁻¹ (CIE S 026:2018).
+const MELANOPIC_DAYLIGHT_W_LM: f64 = 1.326_2e-3;
+/// W m⁻² sr⁻¹ in nW cm⁻² sr⁻¹.
+const NW_CM2_PER_W_M2: f64 = 1e5;
 
 impl Response {
     /// All, in the order of the model's table.
@@ -62,7 +124,7 @@ impl Response {
     ];
 
     /// The name in requests and answers.
-    pub const fn name(self) -> &'static str {
+    pub const fn name(&self) -> &'static str {
         match self {
             Response::Photopic => "photopic",
             Response::Scotopic => "scotopic",
@@ -72,6 +134,10 @@ impl Response {
             Response::Sqm => "sqm",
             Response::Melanopic => "melanopic",
             Response::Dnb => "dnb",
+            Response::CieX => "cie_x",
+            Response::CieZ => "cie_z",
+            Response::Band { .. } => "band",
+            Response::Custom(_) => "custom",
         }
     }
 
@@ -81,7 +147,7 @@ impl Response {
     }
 
     /// The curve per energy. Those of filters count photons, so they are multiplied by λ and brought to 1 at their largest.
-    pub fn curve(self) -> Spectrum {
+    pub fn curve(&self) -> Spectrum {
         match self {
             Response::Photopic => Spectrum::from_samples(&tables::PHOTOPIC),
             Response::Scotopic => Spectrum::from_samples(&tables::SCOTOPIC),
@@ -91,35 +157,73 @@ impl Response {
             Response::Sqm => Spectrum::from_samples(&tables::SQM),
             Response::Melanopic => Spectrum::from_samples(&tables::MELANOPIC),
             Response::Dnb => Spectrum::from_samples(&tables::DNB),
+            Response::CieX => Spectrum::from_samples(&tables::CIE_X),
+            Response::CieZ => Spectrum::from_samples(&tables::CIE_Z),
+            Response::Band { from_nm, to_nm } => {
+                let band = f64::from(*from_nm)..f64::from(*to_nm);
+                Spectrum::from_fn(|nm| f64::from(u8::from(band.contains(&nm))))
+            }
+            Response::Custom(curve) => curve.as_ref().clone(),
         }
     }
 
-    /// What it gives. Zero points of B, V and R are those of Bessell, Castelli and Plez 1998, table A2; that of the SQM makes light
-    /// of the Sun's colour (5 772 K) as bright in it as in V.
-    pub fn quantity(self) -> Quantity {
+    /// What a value is in. Values of filters and of the SQM are the luminances that photometry gives their magnitudes.
+    pub const fn unit(&self) -> &'static str {
         match self {
-            Response::Photopic => Quantity::Luminance { max_efficacy_lm_w: PHOTOPIC_LM_W },
-            Response::Scotopic => Quantity::Luminance { max_efficacy_lm_w: SCOTOPIC_LM_W },
-            Response::JohnsonB => Quantity::Magnitude { zero_w_m2_nm: 6.320e-11 },
-            Response::JohnsonV => Quantity::Magnitude { zero_w_m2_nm: V_ZERO_W_M2_NM },
-            Response::JohnsonR => Quantity::Magnitude { zero_w_m2_nm: 2.177e-11 },
+            Response::Photopic
+            | Response::Scotopic
+            | Response::JohnsonB
+            | Response::JohnsonV
+            | Response::JohnsonR
+            | Response::Sqm
+            | Response::Melanopic
+            | Response::CieX
+            | Response::CieZ => "cd m-2",
+            Response::Dnb => "nW cm-2 sr-1",
+            Response::Band { .. } | Response::Custom(_) => "W m-2 sr-1",
+        }
+    }
+
+    /// Whether a value is a luminance that has a magnitude (mag arcsec⁻²) in the response's own system.
+    pub const fn has_magnitude(&self) -> bool {
+        matches!(
+            self,
+            Response::Photopic | Response::JohnsonB | Response::JohnsonV | Response::JohnsonR | Response::Sqm
+        )
+    }
+
+    /// The value, in [`Self::unit`], of ∫ L(λ) curve(λ) dλ = 1 W m⁻² sr⁻¹.
+    ///
+    /// Melanopic luminance is that of daylight with as much of it (CIE S 026). Zero points of B, V and R are those of Bessell,
+    /// Castelli and Plez 1998, table A2; that of the SQM makes light of the Sun's colour (5 772 K) as bright in it as in V.
+    pub fn value_per_w_m2_sr(&self) -> f64 {
+        match self {
+            Response::Photopic | Response::CieX | Response::CieZ => PHOTOPIC_LM_W,
+            Response::Scotopic => SCOTOPIC_LM_W,
+            Response::JohnsonB => self.luminance_of_magnitude_zero(6.320e-11),
+            Response::JohnsonV => self.luminance_of_magnitude_zero(V_ZERO_W_M2_NM),
+            Response::JohnsonR => self.luminance_of_magnitude_zero(2.177e-11),
             Response::Sqm => {
                 let sun = Spectrum::from_fn(|nm| planck(nm, 5_772.0));
                 let mean = |response: Response| mean(&response.curve(), &sun);
-                Quantity::Magnitude {
-                    zero_w_m2_nm: V_ZERO_W_M2_NM * mean(Response::Sqm) / mean(Response::JohnsonV),
-                }
+                let ratio = mean(Response::Sqm) / mean(Response::JohnsonV);
+                self.luminance_of_magnitude_zero(V_ZERO_W_M2_NM * ratio)
             }
-            Response::Melanopic | Response::Dnb => Quantity::Radiance,
+            Response::Melanopic => 1.0 / MELANOPIC_DAYLIGHT_W_LM,
+            Response::Dnb => NW_CM2_PER_W_M2,
+            Response::Band { .. } | Response::Custom(_) => 1.0,
         }
     }
 
-    /// Magnitude arcsec⁻² of ∫ L(λ) curve(λ) dλ, W m⁻² sr⁻¹; None where the response gives no magnitude or there is no light.
-    pub fn magnitude_arcsec2(self, weighted_w_m2_sr: f64) -> Option<f64> {
-        let Quantity::Magnitude { zero_w_m2_nm } = self.quantity() else { return None };
-        let width_nm = self.curve().0.iter().sum::<f64>() * super::STEP_NM;
-        let per_arcsec2 = weighted_w_m2_sr * ARCSEC2_SR / width_nm;
-        (per_arcsec2 > 0.0).then(|| -2.5 * (per_arcsec2 / zero_w_m2_nm).log10())
+    /// Luminance of the magnitude that a weighted radiance of 1 W m⁻² sr⁻¹ has, given the radiance per nm of 0 mag arcsec⁻².
+    fn luminance_of_magnitude_zero(&self, zero_w_m2_nm: f64) -> f64 {
+        let width_nm = self.curve().0.iter().sum::<f64>() * STEP_NM;
+        ZERO_POINT_CD_M2 * ARCSEC2_SR / (width_nm * zero_w_m2_nm)
+    }
+
+    /// The value of a spectral radiance, W m⁻² sr⁻¹ nm⁻¹, by the 5 nm sum.
+    pub fn value_of(&self, radiance: &Spectrum) -> f64 {
+        self.value_per_w_m2_sr() * self.curve().integral_with(radiance)
     }
 }
 
@@ -138,7 +242,7 @@ fn per_energy(photon: &[f64]) -> Spectrum {
 
 /// ∫ curve·spectrum dλ / ∫ curve dλ.
 fn mean(curve: &Spectrum, spectrum: &Spectrum) -> f64 {
-    curve.integral_with(spectrum) / (curve.0.iter().sum::<f64>() * super::STEP_NM)
+    curve.integral_with(spectrum) / (curve.0.iter().sum::<f64>() * STEP_NM)
 }
 
 /// Planck's law by wavelength, in any unit.
@@ -149,7 +253,7 @@ pub(super) fn planck(wavelength_nm: f64, temperature_k: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::SAMPLE_COUNT, *};
 
     /// Peaks and values that are published beside the curves.
     #[test]
@@ -163,7 +267,7 @@ mod tests {
             (Response::Dnb, 700.0),
         ] {
             let curve = response.curve();
-            let (at, most) = (0..super::super::SAMPLE_COUNT)
+            let (at, most) = (0..SAMPLE_COUNT)
                 .map(|sample| (wavelength_nm(sample), curve.0[sample]))
                 .fold((0.0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
             assert!((at - peak_nm).abs() <= 10.0, "{}: {at}", response.name());
@@ -175,24 +279,35 @@ mod tests {
     /// ∫ V dλ = 106.86 nm (CIE), and the Sun's colour is as bright in the SQM as in V.
     #[test]
     fn integrals_are_the_published_ones() {
-        let width = Response::Photopic.curve().0.iter().sum::<f64>() * super::super::STEP_NM;
+        let width = Response::Photopic.curve().0.iter().sum::<f64>() * STEP_NM;
         assert!((width - 106.86).abs() < 0.05, "{width}");
         let sun = Spectrum::from_fn(|nm| 1e-7 * planck(nm, 5_772.0));
-        let of =
-            |response: Response| response.magnitude_arcsec2(response.curve().integral_with(&sun)).unwrap();
-        assert!((of(Response::Sqm) - of(Response::JohnsonV)).abs() < 1e-12);
-        assert_eq!(Response::Photopic.magnitude_arcsec2(1.0), None);
-        assert_eq!(Response::JohnsonV.magnitude_arcsec2(0.0), None);
+        let [sqm, v] = [Response::Sqm, Response::JohnsonV].map(|response| response.value_of(&sun));
+        assert!((sqm / v - 1.0).abs() < 1e-12);
     }
 
-    /// Light of the Sun's colour: 0 mag arcsec⁻² in V is 1.08e5 cd m⁻² within four per cent.
+    /// Light of the Sun's colour: V and photopic luminance agree within six per cent, the zero point being rounded.
     #[test]
     fn zero_magnitude_is_the_known_luminance() {
         let sun = Spectrum::from_fn(|nm| planck(nm, 5_772.0));
-        let v = Response::JohnsonV;
-        let magnitude = v.magnitude_arcsec2(v.curve().integral_with(&sun)).unwrap();
-        let luminance = PHOTOPIC_LM_W * Response::Photopic.curve().integral_with(&sun);
-        let zero_point = luminance * 10f64.powf(0.4 * magnitude);
-        assert!((zero_point / 1.08e5 - 1.0).abs() < 0.06, "{zero_point}");
+        let ratio = Response::JohnsonV.value_of(&sun) / Response::Photopic.value_of(&sun);
+        assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
+        // Melanopic luminance of daylight is its photopic luminance; the Sun without air is close to it.
+        let ratio = Response::Melanopic.value_of(&sun) / Response::Photopic.value_of(&sun);
+        assert!((ratio - 1.0).abs() < 0.12, "{ratio}");
+    }
+
+    /// R, G and B side by side are all of 400 to 700 nm, and responses with other curves differ.
+    #[test]
+    fn bands_add_up_and_responses_differ() {
+        let flat = Spectrum::from_fn(|_| 1.0);
+        for band in &RGB_BANDS {
+            assert!((band.value_of(&flat) - 100.0).abs() < 1e-9);
+        }
+        let sum = RGB_BANDS.iter().fold(Spectrum::from_fn(|_| 0.0), |sum, band| sum.sum(&band.curve()));
+        assert_eq!(sum, Response::Band { from_nm: 400, to_nm: 700 }.curve());
+        let custom = |value: f64| Response::Custom(Arc::new(Spectrum::from_fn(|_| value)));
+        assert!(custom(1.0) == custom(1.0) && custom(1.0) != custom(2.0) && custom(1.0) != Response::Dnb);
+        assert_ne!(RGB_BANDS[0], RGB_BANDS[1]);
     }
 }

@@ -1,15 +1,16 @@
 //! What a response sees of a light behind a sky that is known at four wavelengths: Gauss rules in ln λ of the weight Q·S.
 
-use super::{NODE_COUNT, STEP_NM, Spectrum, gauss, lagrange, wavelength_nm};
+use super::{NODE_COUNT, STEP_NM, Spectrum, gauss, lagrange, nodes_nm, wavelength_nm};
 
-/// A kernel below this part of the largest node counts as this: its logarithm is finite.
-const FLOOR: f64 = 1e-30;
+/// A kernel below this part of the largest node counts as this: redder or bluer skies than that are rounding, and a polynomial through
+/// their logarithms would overshoot.
+pub(crate) const FLOOR: f64 = 1e-5;
 /// Fewest and most points of a rule.
 const POINTS: std::ops::RangeInclusive<usize> = 3..=6;
 /// A rule is fine enough when it is this near to the 5 nm sum for every trial sky.
 const TOLERANCE: f64 = 5e-4;
 
-/// ∫ Q S K dλ from K at the nodes, where ln K is a cubic in ln λ: Σ_j q_j · exp(Σ_n ℓ_n(λ_j) ln K_n).
+/// ∫ Q S K dλ from K at the nodes, where ln K is a polynomial in ln λ: Σ_j q_j · exp(Σ_n ℓ_n(λ_j) ln K_n).
 ///
 /// As Σ_n ℓ_n = 1 it is homogeneous of degree one, so that parts of a sky add up with [`Self::gradient`] (Euler).
 #[derive(Clone, Debug, PartialEq)]
@@ -71,17 +72,34 @@ impl SpectralRule {
         self.points.iter().map(|point| term(point, &logarithms)).sum()
     }
 
+    /// Weights of the nodes' logarithms at each point, and the point's weight.
+    pub fn points(&self) -> &[([f64; NODE_COUNT], f64)] {
+        &self.points
+    }
+
+    /// The rule of `factor` times the response.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.points.iter_mut().for_each(|point| point.1 *= factor);
+        self
+    }
+
     /// ∂value/∂K_n; Σ_n K_n·∂value/∂K_n is the value itself.
     pub fn gradient(&self, kernel: [f64; NODE_COUNT]) -> [f64; NODE_COUNT] {
         let Some(logarithms) = logarithms(kernel) else { return [0.0; NODE_COUNT] };
-        let mut gradient = [0.0; NODE_COUNT];
+        let mut shares = [0.0; NODE_COUNT];
         for point in &self.points {
             let term = term(point, &logarithms);
-            for (node, part) in gradient.iter_mut().enumerate() {
-                *part += term * point.0[node] * (-logarithms[node]).exp();
+            shares.iter_mut().zip(point.0).for_each(|(share, weight)| *share += term * weight);
+        }
+        // What counts as a part of the largest moves with that one.
+        let largest = (0..NODE_COUNT).max_by(|a, b| kernel[*a].total_cmp(&kernel[*b])).unwrap_or_default();
+        for node in 0..NODE_COUNT {
+            if kernel[node] < FLOOR * kernel[largest] {
+                shares[largest] += shares[node];
+                shares[node] = 0.0;
             }
         }
-        gradient
+        std::array::from_fn(|node| if shares[node] == 0.0 { 0.0 } else { shares[node] / kernel[node] })
     }
 }
 
@@ -103,7 +121,7 @@ fn trial_kernels() -> Vec<[f64; NODE_COUNT]> {
     let mut kernels = Vec::new();
     for slope in [-4.0, -2.0, 0.0, 2.0, 4.0] {
         for curvature in [-4.0, 0.0, 4.0] {
-            kernels.push(super::NODES_NM.map(|nm| {
+            kernels.push(nodes_nm().map(|nm| {
                 let x = (nm / 550.0).ln();
                 (slope * x + curvature * x * x).exp()
             }));
@@ -115,16 +133,16 @@ fn trial_kernels() -> Vec<[f64; NODE_COUNT]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::{LampSpectrum, Response};
+    use crate::spectrum::{LampPreset, Response};
     use proptest::prelude::*;
 
     /// Every lamp as every response sees it, behind skies whose optical depth and scattering follow the laws of clean air and
-    /// haze: within 0.5 % of the 5 nm integral of the sky itself, which no cubic knows; within 1.2 % for responses to light beyond
-    /// the first and the last node.
+    /// haze, against the 5 nm integral of the sky itself, which no polynomial knows: with four nodes within 0.5 %, and within 1.2 %
+    /// for responses to light beyond the first and the last node; with three within four times as much.
     #[test]
     fn rules_are_near_the_full_integral() {
         let mut missed = Vec::new();
-        for lamp in LampSpectrum::ALL {
+        for lamp in LampPreset::ALL {
             let light = lamp.spectrum();
             for response in Response::ALL {
                 let curve = response.curve();
@@ -140,13 +158,14 @@ mod tests {
                         (molecules + haze) * (-path * (molecules + haze)).exp()
                     };
                     let exact = light.product(&curve).integral_with(&Spectrum::from_fn(sky));
-                    let found = rule.value(crate::spectrum::NODES_NM.map(sky));
+                    let found = rule.value(nodes_nm().map(sky));
                     let error = found / exact - 1.0;
                     let reaches_far = !matches!(
                         response,
                         Response::Photopic | Response::Scotopic | Response::JohnsonV | Response::Melanopic
                     );
-                    let limit = if reaches_far { 1.2e-2 } else { 5e-3 };
+                    let few = if NODE_COUNT < 4 { 4.2 } else { 1.0 };
+                    let limit = few * if reaches_far { 1.2e-2 } else { 5e-3 };
                     if error.abs() > limit {
                         missed.push(format!("{} {}: {error:.5}", lamp.name(), response.name()));
                     }
@@ -159,8 +178,8 @@ mod tests {
     proptest! {
         /// Twice the light is twice the value, and parts add up by the gradient.
         #[test]
-        fn values_are_homogeneous(kernel in prop::array::uniform4(1e-12..1.0_f64), factor in 1e-6..1e6_f64) {
-            let rule = SpectralRule::new(&LampSpectrum::Led4000k.spectrum(), &Response::Scotopic.curve());
+        fn values_are_homogeneous(kernel in prop::array::uniform::<_, NODE_COUNT>(1e-9..1.0_f64), factor in 1e-6..1e6_f64) {
+            let rule = SpectralRule::new(&LampPreset::Led4000k.spectrum(), &Response::Scotopic.curve());
             let value = rule.value(kernel);
             prop_assert!((rule.value(kernel.map(|k| k * factor)) / (factor * value) - 1.0).abs() < 1e-10);
             let euler: f64 = rule.gradient(kernel).iter().zip(kernel).map(|(slope, k)| slope * k).sum();
@@ -170,11 +189,11 @@ mod tests {
 
     #[test]
     fn no_light_is_no_value() {
-        let rule = SpectralRule::new(&LampSpectrum::Lps.spectrum(), &Response::Photopic.curve());
-        assert_eq!(rule.value([0.0; 4]), 0.0);
-        assert_eq!(rule.gradient([0.0; 4]), [0.0; 4]);
-        assert!(rule.value([0.0, 0.0, 1.0, 0.0]).is_finite());
-        let blind = SpectralRule::new(&LampSpectrum::Lps.spectrum(), &Spectrum::from_fn(|_| 0.0));
-        assert_eq!(blind.value([1.0; 4]), 0.0);
+        let rule = SpectralRule::new(&LampPreset::Lps.spectrum(), &Response::Photopic.curve());
+        assert_eq!(rule.value([0.0; NODE_COUNT]), 0.0);
+        assert_eq!(rule.gradient([0.0; NODE_COUNT]), [0.0; NODE_COUNT]);
+        assert!(rule.value(std::array::from_fn(|node| f64::from(u8::from(node == 1)))).is_finite());
+        let blind = SpectralRule::new(&LampPreset::Lps.spectrum(), &Spectrum::from_fn(|_| 0.0));
+        assert_eq!(blind.value([1.0; NODE_COUNT]), 0.0);
     }
 }

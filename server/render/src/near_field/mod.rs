@@ -24,8 +24,8 @@ use patch::{GridLimit, PatchMaker, SelectedLight};
 use rayon::prelude::*;
 use selection::Selector;
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, Band, ELEVATION_COUNT, EmissionMix, LinearMeasure, Panorama,
-    Turbidity, near_light::NearScattering,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, EmissionMix, Panorama, Turbidity,
+    near_light::NearScattering,
 };
 use skyglow_scene::PolarGrid;
 use std::sync::Arc;
@@ -60,6 +60,13 @@ impl VisibleLights {
     pub fn byte_count(&self) -> usize {
         size_of_val(self.lights.as_slice()) + size_of_val(self.added.as_slice())
     }
+
+    /// Corrects the sky that they were found in.
+    pub fn add_to(&self, sky: &mut [f32]) {
+        for (radiance, added) in sky.iter_mut().zip(&self.added).filter(|(_, added)| **added != 0.0) {
+            *radiance += applied_share(*radiance, *added) * added;
+        }
+    }
 }
 
 impl NearFieldCorrection {
@@ -77,12 +84,9 @@ impl NearFieldCorrection {
 
     /// Corrects a sky, `[band][row][column]`, W m⁻² sr⁻¹. Nothing falls to less than a tenth of what it was.
     pub fn apply(&self, set: &TableSet, sky: &mut [f32]) {
-        let VisibleLights { lights, added } = self.visible_lights(set, sky);
-        if lights.is_empty() {
-            return;
-        }
-        for (radiance, added) in sky.iter_mut().zip(&added).filter(|(_, added)| **added != 0.0) {
-            *radiance += applied_share(*radiance, *added) * added;
+        let visible = self.visible_lights(set, sky);
+        if !visible.lights.is_empty() {
+            visible.add_to(sky);
         }
     }
 
@@ -95,24 +99,19 @@ impl NearFieldCorrection {
         VisibleLights { lights, added }
     }
 
-    /// What each near light adds to a linear measure of luminance beyond what the cells have of it, by its place in
-    /// [`PolarGrid::near`], given what is visible in `sky`.
+    /// What each near light adds to Σ weight·radiance beyond what the cells have of it, by its place in [`PolarGrid::near`], given
+    /// what is visible in `sky`. `weights` are those of samples, in the order of [`Panorama::samples`].
     pub fn influences(
         &self,
         set: &TableSet,
         sky: &[f32],
         VisibleLights { lights, added }: &VisibleLights,
-        measure: &LinearMeasure,
+        mut weights: Vec<f32>,
     ) -> Vec<(usize, f64)> {
         let air = self.air();
         let limit = GridLimit::new(sky, 1.0 - MIN_REMAINDER);
-        let mut weights = vec![0f32; Panorama::LEN];
-        for band in Band::ALL {
-            for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                let at = Panorama::index(band.index(), 0, 0) + direction;
-                let share = applied_share(sky[at], added[at]);
-                weights[at] = (weight * band.luminous_efficacy_lm_w()) as f32 * share;
-            }
+        for (at, weight) in weights.iter_mut().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            *weight *= applied_share(sky[at], added[at]);
         }
         // Patches of lights where nothing is asked for add nothing: all of them at the zenith.
         let weighs: [bool; ELEVATION_COUNT] = std::array::from_fn(|row| {

@@ -130,7 +130,7 @@ impl<'a> Canvas<'a> {
                             Some(of) => *of,
                             None => {
                                 let mut fixture = self.fixtures[of].clone();
-                                lamp.iter().for_each(|change| fixture.replace(*change));
+                                lamp.iter().for_each(|change| fixture.replace(change.clone()));
                                 fixture.emission = emission.or(fixture.emission);
                                 let new = self.fixture(number, fixture)?;
                                 becomes.insert(of, new);
@@ -151,7 +151,8 @@ impl<'a> Canvas<'a> {
                 codes.len()
             }
             Change::Add { radiance_nw_cm2_sr, lamp, emission } => {
-                let lamps = lamp.map(|to| LampChange { from: None, to, preserved: PreservedFlux::DnbFlux });
+                let lamps =
+                    lamp.clone().map(|to| LampChange { from: None, to, preserved: PreservedFlux::DnbFlux });
                 let fixture = Fixture { lamps: lamps.into_iter().collect(), emission: *emission };
                 let of = self.fixture(number, fixture)?;
                 let mut lit = 0;

@@ -1,6 +1,7 @@
 //! What a map shows, and what was found of it.
 
 use clap::ValueEnum;
+use skyglow_physics::Response;
 use skyglow_scene::{PlaceValues, Scene};
 use std::sync::Arc;
 
@@ -20,7 +21,9 @@ pub(super) struct Found {
     pub(super) scene: Arc<Scene>,
     pub(super) places: PlaceValues,
     pub(super) unit: &'static str,
-    pub(super) description: &'static str,
+    pub(super) description: String,
+    /// What sees the sky of a map of brightness.
+    pub(super) response: Response,
     /// JSON.
     pub(super) assumptions: String,
 }

@@ -16,10 +16,14 @@ use crate::{
 };
 use clap::Args;
 use skyglow_app::{
-    answers::BrightnessAssumptions, facts::SourceFacts, fingerprint::brightness_key,
-    parameters::BrightnessParameters, request,
+    answers::{BrightnessAssumptions, brightness_shows},
+    facts::SourceFacts,
+    fingerprint::brightness_key,
+    parameters::BrightnessParameters,
+    request,
 };
 use skyglow_observatory::BrightnessRequest;
+use skyglow_physics::Response;
 use skyglow_scene::{PatchStore, RasterMetadata, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
@@ -155,8 +159,9 @@ impl Atlas {
         Ok(Found {
             scene: Arc::clone(view.scene()),
             places: map.places().clone(),
-            unit: "cd m-2",
-            description: "artificial luminance at the zenith",
+            unit: map.response.unit(),
+            description: brightness_shows(&map.response),
+            response: map.response.clone(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
         })
     }
@@ -179,12 +184,14 @@ impl Atlas {
             "version": scene.metadata().version,
             "scenario": scenario.map(ToString::to_string),
         });
-        Ok(Found { places, unit, description, assumptions: assumptions.to_string(), scene })
+        let response = Response::Photopic;
+        let description = description.to_owned();
+        Ok(Found { places, unit, description, response, assumptions: assumptions.to_string(), scene })
     }
 
     fn write_raster(&self, found: &Found) -> Result<(), Failure> {
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", found.assumptions.as_str())];
-        let words = RasterMetadata { description: found.description, unit: found.unit, notes: &notes };
+        let words = RasterMetadata { description: &found.description, unit: found.unit, notes: &notes };
         let bytes = found.scene.places_geotiff(&found.places, &words).map_err(Failure::work)?;
         let path = &self.output.path;
         // Whole or not there: a reader never sees half a file.

@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, turbidity};
 use skyglow_lab::setup::{observatory, open_sky};
 use skyglow_observatory::{BrightnessRequest, SkyRequest};
-use skyglow_physics::{EmissionMix, LampPreset, Turbidity};
+use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
 use skyglow_scene::SceneId;
 use skyglow_tables::Scattering;
 use std::{path::PathBuf, time::Instant};
@@ -40,6 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         turbidity,
         scattering: Scattering::Multiple,
         lamp: LampPreset::Mixed.lamp(),
+        response: Response::Photopic,
         emission: EmissionMix::garstang().into(),
         terrain_hides: arguments.terrain == "on",
         max_places: arguments.max_places,

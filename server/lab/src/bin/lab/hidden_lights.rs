@@ -110,7 +110,7 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
         observer_altitude_m: eye_m,
         sources: &lights.sources,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux,
+        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
         directions: &directions,
     };
     let atmosphere = Atmosphere::new(turbidity);

@@ -4,8 +4,8 @@ use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{later_orders, observatory, open_sky};
 use skyglow_observatory::{InfluenceRequest, Measure};
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Band, Direction, ELEVATION_COUNT, Horizon, LampPreset, LinearMeasure,
-    PointSource, SkyCurve,
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, LampPreset, LinearMeasure, PointSource,
+    Response, SkyCurve,
     direct_sum::{direct_sum, grid_direction},
     panorama::solid_angle_sr,
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
     let (id, place, turbidity) = (asked.scene.clone(), asked.place()?, asked.turbidity);
     let observatory = observatory(&asked.data, &asked.packs)?;
-    let lamp = LampPreset::Mixed.lamp();
+    let rule = LampPreset::Mixed.lamp().light().rule(&Response::Photopic);
     let sky = open_sky(id.clone(), place, turbidity);
     let measures = [
         ("zenith", Measure::Zenith),
@@ -69,7 +69,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
         .collect();
     let sum = later_orders(turbidity, zenith.context.altitude_m);
     let start = Instant::now();
-    let later = sum.radiance_of_each(&sources, lamp.flux_per_dnb_flux, &directions)?;
+    let later = sum.radiance_of_each(&sources, [1.0; BAND_COUNT], &directions)?;
     let mut luminance = Vec::new();
     let mut first_source = 0;
     for points in &points {
@@ -78,7 +78,7 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
             points,
             sum.observer_altitude_m,
             sum.emission,
-            lamp.flux_per_dnb_flux,
+            [1.0; BAND_COUNT],
             &directions,
             &|| (),
         );
@@ -87,10 +87,8 @@ pub(crate) fn run(Arguments { place: asked, count }: &Arguments) -> Outcome {
                 let later: [f64; BAND_COUNT] = std::array::from_fn(|band| {
                     later[first_source..][..points.len()].iter().map(|one| one[direction][band]).sum()
                 });
-                let of_band = |band: Band| {
-                    band.luminous_efficacy_lm_w() * (first[direction][band.index()] + later[band.index()])
-                };
-                Band::ALL.map(of_band).iter().sum()
+                // Of the light by itself: what it adds to the sky of all has the colour of that sky.
+                rule.value(std::array::from_fn(|band| first[direction][band] + later[band]))
             })
             .collect();
         luminance.push(of_pixel);

@@ -6,33 +6,33 @@ use skyglow_display::{
     encode_webp, picture, raster,
 };
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, Lamp, LampPreset, Panorama, panorama,
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, LampPreset, Panorama, Response,
+    SKY_RESPONSES, SeenSky, SkyPart, panorama, spectrum::RGB_BANDS,
 };
-use std::{path::PathBuf, time::Instant};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// A large sodium town in the east, a small LED town in the north-north-west, a dark south.
-fn invented_sky() -> Panorama {
-    let towns: [(f64, f64, f64, Lamp); 2] =
-        [(90.0, 1e-4, 25.0, LampPreset::Hps.lamp()), (340.0, 8e-6, 12.0, LampPreset::Led4000k.lamp())];
-    let mut sky = Panorama::dark();
-    for row in 0..ELEVATION_COUNT {
-        for column in 0..AZIMUTH_COUNT {
-            let at = Direction {
-                azimuth_rad: panorama::azimuth_rad(column),
-                elevation_rad: panorama::elevation_rad(row),
-            };
-            for band in 0..BAND_COUNT {
-                let mut radiance = 1.5e-8;
-                for (azimuth_deg, strength, width_deg, lamp) in towns {
-                    let town = Direction { azimuth_rad: f64::to_radians(azimuth_deg), elevation_rad: 0.0 };
-                    let angle_deg = at.enu().dot(town.enu()).clamp(-1.0, 1.0).acos().to_degrees();
-                    radiance += strength * lamp.flux_per_dnb_flux[band] * (-angle_deg / width_deg).exp();
+fn invented_sky() -> Vec<SkyPart> {
+    let towns = [(90.0, 1e-4, 25.0, LampPreset::Hps), (340.0, 8e-6, 12.0, LampPreset::Led4000k)];
+    let of_town = |(azimuth_deg, strength, width_deg, lamp): (f64, f64, f64, LampPreset)| {
+        let town = Direction { azimuth_rad: azimuth_deg.to_radians(), elevation_rad: 0.0 };
+        let mut kernel = Panorama::dark();
+        for row in 0..ELEVATION_COUNT {
+            for column in 0..AZIMUTH_COUNT {
+                let at = Direction {
+                    azimuth_rad: panorama::azimuth_rad(column),
+                    elevation_rad: panorama::elevation_rad(row),
+                };
+                let angle_deg = at.enu().dot(town.enu()).clamp(-1.0, 1.0).acos().to_degrees();
+                let radiance = (strength * (-angle_deg / width_deg).exp() + 1.5e-8) as f32;
+                for band in 0..BAND_COUNT {
+                    kernel.samples_mut()[Panorama::index(band, row, column)] = radiance;
                 }
-                sky.samples_mut()[Panorama::index(band, row, column)] = radiance as f32;
             }
         }
-    }
-    sky
+        SkyPart { light: Arc::clone(lamp.lamp().light()), kernel }
+    };
+    towns.map(of_town).to_vec()
 }
 
 /// Runs something a few times; prints the shortest time, ms.
@@ -56,7 +56,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
     std::fs::create_dir_all(folder)?;
-    let sky = invented_sky();
+    let parts = invented_sky();
+    let (sky, bands) = (SeenSky::of(&parts, &SKY_RESPONSES), SeenSky::of(&parts, &RGB_BANDS));
+    let seen_by = &Response::Photopic;
     let camera = Projection::Perspective { azimuth_deg: 60.0, elevation_deg: 20.0, fov_deg: 90.0 };
     for projection in [Projection::Equirectangular, Projection::Fisheye, camera] {
         for (style_name, style) in
@@ -64,7 +66,8 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         {
             let options = PictureOptions { style, ..PictureOptions::new(projection) };
             let name = format!("{}-{style_name}", projection.name());
-            let image = timed(&format!("{name} picture"), || picture(&sky, &Horizon::flat(), &options))?;
+            let image =
+                timed(&format!("{name} picture"), || picture(&sky, seen_by, &Horizon::flat(), &options))?;
             let bytes = timed(&format!("{name} PNG"), || encode_png(&image, &Notes::default()))?;
             std::fs::write(folder.join(format!("{name}.png")), bytes)?;
             let bytes = timed(&format!("{name} WebP"), || encode_webp(&image, &Notes::default()))?;
@@ -74,7 +77,7 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         let size = projection.default_raster_size_px();
         // Pixels are found as they are encoded.
         let flat = Horizon::flat();
-        let floats = raster(&sky, &flat, projection, size, Sky::Artificial)?;
+        let floats = raster(&bands, &flat, projection, size, Sky::Artificial)?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
             timed(&format!("{name} EXR"), || encode_exr(&floats, &Notes::default()))?,
@@ -95,7 +98,7 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         };
         std::fs::write(
             folder.join(format!("map-{}.png", colormap.name())),
-            encode_png(&picture(&sky, &Horizon::flat(), &options)?, &Notes::default())?,
+            encode_png(&picture(&sky, seen_by, &Horizon::flat(), &options)?, &Notes::default())?,
         )?;
     }
     Ok(())

@@ -4,8 +4,7 @@ use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{later_orders, observatory, open_sky};
 use skyglow_observatory::{InfluenceRequest, Limit, Measure, PlanMethod, PlanRequest, TargetSite};
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Band, Direction, ELEVATION_COUNT, GeoPoint, Lamp, LampPreset, Panorama,
-    PointSource,
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Lamp, LampPreset, PointSource, Response,
     direct_sum::{direct_sum, grid_direction},
     multiple_scattering::MultipleSum,
     panorama::{elevation_rad, solid_angle_sr},
@@ -27,14 +26,15 @@ fn mean(luminance: impl Iterator<Item = f64>) -> f64 {
     sum / weights.iter().sum::<f64>()
 }
 
-fn zenith(panorama: &Panorama) -> f64 {
-    mean(samples().into_iter().map(|(row, column)| panorama.luminance_cd_m2(row, column)))
+fn zenith(luminance_cd_m2: &[f32]) -> f64 {
+    let at = |(row, column): (usize, usize)| f64::from(luminance_cd_m2[row * AZIMUTH_COUNT + column]);
+    mean(samples().into_iter().map(at))
 }
 
 /// The zenith by the sum over all sources, all orders.
 fn reference(sum: &MultipleSum, lamp: &Lamp, sources: &[PointSource]) -> Result<f64, Box<dyn Error>> {
     let directions: Vec<Direction> = samples().into_iter().map(grid_direction).collect();
-    let flux = lamp.flux_per_dnb_flux;
+    let flux = [1.0; BAND_COUNT];
     let first = direct_sum::<BAND_COUNT>(
         &[sum.atmosphere],
         sources,
@@ -45,11 +45,11 @@ fn reference(sum: &MultipleSum, lamp: &Lamp, sources: &[PointSource]) -> Result<
         &|| (),
     );
     let later = sum.radiance(sources, flux, &directions)?;
-    let luminance = first.iter().zip(&later).map(|(first, later)| {
-        let of_band =
-            |band: Band| band.luminous_efficacy_lm_w() * (first[band.index()] + later[band.index()]);
-        Band::ALL.map(of_band).iter().sum()
-    });
+    let rule = lamp.light().rule(&Response::Photopic);
+    let luminance = first
+        .iter()
+        .zip(&later)
+        .map(|(first, later)| rule.value(std::array::from_fn(|band| first[band] + later[band])));
     Ok(mean(luminance))
 }
 
@@ -102,7 +102,7 @@ pub(crate) fn run(Arguments { place: asked, reduce_by }: &Arguments) -> Outcome 
         let flux_dnb_w: f64 = pixels.iter().map(|pixel| pixel.flux_dnb_w).sum();
         let value = reference(&sum, &lamp, &point_sources(place, &pixels))?;
         let state = if is_dimmed { &site.after } else { &site.before };
-        let found = zenith(&state.sky.panorama);
+        let found = zenith(state.sky.values());
         println!(
             "{}: reference {value:.4e} cd/m2, the program's {found:.4e} ({:+.2} %), flux {flux_dnb_w:.4e} W; {:.0} s",
             if is_dimmed { "dimmed" } else { "as it is" },

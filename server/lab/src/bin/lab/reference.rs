@@ -80,7 +80,7 @@ fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> 
             &sources,
             observer_altitude_m,
             EmissionMix::garstang(),
-            LampPreset::Mixed.lamp().flux_per_dnb_flux,
+            LampPreset::Mixed.lamp().flux_per_dnb_flux(),
             &view,
             &|| (),
         );

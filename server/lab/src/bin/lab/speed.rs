@@ -66,7 +66,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
         &sources,
         observer_altitude_m,
         EmissionMix::garstang(),
-        LampPreset::Mixed.lamp().flux_per_dnb_flux,
+        LampPreset::Mixed.lamp().flux_per_dnb_flux(),
         &directions,
         &|| (),
     );

@@ -1,0 +1,222 @@
+//! A sky as eyes and instruments see it: spectral kernels at the nodes turned into values of responses in every direction
+//! (`docs/model.md#spectra`).
+
+use crate::{
+    bands::BAND_COUNT,
+    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama},
+    simd::multiply_add,
+    simd_dispatch,
+    spectrum::{Light, Response, SpectralRule},
+};
+use std::{array::from_fn, sync::Arc};
+
+const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
+/// Least ratio of a node to the largest one, as [`SpectralRule`] has it.
+const FLOOR: f32 = crate::spectrum::KERNEL_FLOOR as f32;
+
+/// One kind of light over the sky.
+#[derive(Clone, Debug)]
+pub struct SkyPart {
+    /// The kind.
+    pub light: Arc<Light>,
+    /// Σ Φ_i b_i at every node, watts that the satellite sees times m⁻² sr⁻¹; 0 where nothing is seen.
+    pub kernel: Panorama,
+}
+
+/// Values of responses over the panorama grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenSky {
+    responses: Vec<Response>,
+    /// `[response][row][column]`, each in its response's unit.
+    values: Vec<f32>,
+}
+
+impl SeenSky {
+    /// What responses see of a sky that is the sum of its parts. Relative error below 1e-4 of [`SpectralRule::value`].
+    pub fn of(parts: &[SkyPart], responses: &[Response]) -> Self {
+        let mut values = vec![0f32; responses.len() * DIRECTION_COUNT];
+        for part in parts {
+            let rules: Vec<Rule> = responses.iter().map(|of| Rule::of(&part.light.rule(of))).collect();
+            let samples = part.kernel.samples();
+            for row in 0..ELEVATION_COUNT {
+                let kernel = from_fn(|band| {
+                    let start = Panorama::index(band, row, 0);
+                    samples[start..].first_chunk::<AZIMUTH_COUNT>().copied().unwrap_or([0.0; AZIMUTH_COUNT])
+                });
+                let values = values.chunks_exact_mut(DIRECTION_COUNT).map(|plane| {
+                    let row = &mut plane[row * AZIMUTH_COUNT..][..AZIMUTH_COUNT];
+                    row.as_chunks_mut::<AZIMUTH_COUNT>().0
+                });
+                let mut values: Vec<&mut [f32; AZIMUTH_COUNT]> = values.flatten().collect();
+                add_row(&kernel, &rules, &mut values);
+            }
+        }
+        Self { responses: responses.to_vec(), values }
+    }
+
+    /// A sky from values, `[response][row][column]`; None unless there is one for each response and direction.
+    pub fn from_values(responses: Vec<Response>, values: Vec<f32>) -> Option<Self> {
+        (values.len() == responses.len() * DIRECTION_COUNT).then_some(Self { responses, values })
+    }
+
+    /// What is there to see it with.
+    pub fn responses(&self) -> &[Response] {
+        &self.responses
+    }
+
+    /// Values of the response at a place in [`Self::responses`], `[row][column]`; none for other places.
+    pub fn plane(&self, place: usize) -> &[f32] {
+        self.values.get(place * DIRECTION_COUNT..).and_then(|rest| rest.get(..DIRECTION_COUNT)).unwrap_or(&[])
+    }
+
+    /// The same, writable.
+    pub fn plane_mut(&mut self, place: usize) -> &mut [f32] {
+        self.values.chunks_exact_mut(DIRECTION_COUNT).nth(place).unwrap_or_default()
+    }
+
+    /// Values of a response, `[row][column]`; None for one that is not there.
+    pub fn seen_by(&self, response: &Response) -> Option<&[f32]> {
+        self.responses.iter().position(|of| of == response).map(|place| self.plane(place))
+    }
+}
+
+/// A rule in single precision.
+struct Rule(Vec<([f32; BAND_COUNT], f32)>);
+
+impl Rule {
+    fn of(rule: &SpectralRule) -> Self {
+        let point =
+            |(weights, weight): &([f64; BAND_COUNT], f64)| (weights.map(|w| w as f32), *weight as f32);
+        Self(rule.points().iter().map(point).collect())
+    }
+}
+
+type Row = [f32; AZIMUTH_COUNT];
+
+simd_dispatch! {
+    /// Adds what every rule makes of a row of the kernel to the row of its response.
+    fn add_row(kernel: &[Row; BAND_COUNT], rules: &[Rule], values: &mut [&mut Row]) = add_row_body::<FUSED>;
+}
+
+#[inline(always)]
+fn add_row_body<const FUSED: bool>(kernel: &[Row; BAND_COUNT], rules: &[Rule], values: &mut [&mut Row]) {
+    let mut most = [0f32; AZIMUTH_COUNT];
+    for band in kernel {
+        for (most, value) in most.iter_mut().zip(band) {
+            *most = most.max(*value);
+        }
+    }
+    // Where there is no light the logarithms are finite and the sum counts for nothing.
+    let lit: Row = from_fn(|at| if most[at] > f32::MIN_POSITIVE { 1.0 } else { 0.0 });
+    let scale: Row = from_fn(|at| if lit[at] > 0.0 { most[at] } else { 1.0 });
+    let logarithms: [Row; BAND_COUNT] =
+        from_fn(|band| from_fn(|at| logarithm::<FUSED>((kernel[band][at] / scale[at]).max(FLOOR))));
+    for (rule, row) in rules.iter().zip(values) {
+        let mut sums = [0f32; AZIMUTH_COUNT];
+        for (weights, weight) in &rule.0 {
+            for at in 0..AZIMUTH_COUNT {
+                let mut exponent = 0.0;
+                for band in 0..BAND_COUNT {
+                    exponent = multiply_add::<FUSED>(weights[band], logarithms[band][at], exponent);
+                }
+                sums[at] = multiply_add::<FUSED>(*weight, exponential::<FUSED>(exponent), sums[at]);
+            }
+        }
+        for at in 0..AZIMUTH_COUNT {
+            row[at] = multiply_add::<FUSED>(lit[at] * scale[at], sums[at], row[at]);
+        }
+    }
+}
+
+/// eˣ to 2e-7 for −87 < x < 88.
+#[inline(always)]
+fn exponential<const FUSED: bool>(x: f32) -> f32 {
+    // 2^t with t = n + r: adding 1.5·2²³ rounds t to the integer n and leaves it in the low bits.
+    const ROUND: f32 = 12_582_912.0;
+    let t = (x * std::f32::consts::LOG2_E).clamp(-125.0, 126.0);
+    let rounded = t + ROUND;
+    let r = (t - (rounded - ROUND)) * std::f32::consts::LN_2;
+    let power = f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23));
+    let mut series = 1.0 / 720.0;
+    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+        series = multiply_add::<FUSED>(series, r, coefficient);
+    }
+    power * series
+}
+
+/// ln x to 2e-7 for normal x > 0: 2·artanh((m − 1)/(m + 1)) of the mantissa between √½ and √2.
+#[inline(always)]
+fn logarithm<const FUSED: bool>(x: f32) -> f32 {
+    const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
+    let shifted = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
+    let exponent = (shifted as i32) >> 23;
+    let m = f32::from_bits((shifted & 0x007f_ffff).wrapping_add(SQRT_HALF_BITS));
+    let s = (m - 1.0) / (m + 1.0);
+    let s2 = s * s;
+    let mut series = 1.0 / 9.0;
+    for coefficient in [1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0, 1.0] {
+        series = multiply_add::<FUSED>(series, s2, coefficient);
+    }
+    multiply_add::<FUSED>(exponent as f32, std::f32::consts::LN_2, 2.0 * s * series)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::LampPreset;
+    use proptest::prelude::*;
+
+    fn part(preset: LampPreset, kernel: Vec<f32>) -> SkyPart {
+        let kernel = Panorama::from_samples(kernel).unwrap();
+        SkyPart { light: Arc::clone(preset.lamp().light()), kernel }
+    }
+
+    /// A kernel whose nodes differ by direction, some of them black and some black at one node.
+    fn kernel(seed: f64) -> Vec<f32> {
+        let sample = |at: usize| {
+            let (band, direction) = (at / DIRECTION_COUNT, at % DIRECTION_COUNT);
+            let light = (-10.0 + 4.0 * (0.01 * direction as f64 + seed).sin()).exp();
+            let colour = (1.5 * (band as f64 - 1.0) * (0.003 * direction as f64 + seed).cos()).exp();
+            let is_black = direction % 7 == 0 || (direction % 11 == 0 && band == 0);
+            if is_black { 0.0 } else { (light * colour) as f32 }
+        };
+        (0..Panorama::LEN).map(sample).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        /// What is found in single precision by rows is what the rules say direction by direction, with wide instructions and without.
+        #[test]
+        fn rows_are_what_the_rules_say(seed in 0.0..6.0_f64) {
+            let parts = [part(LampPreset::Hps, kernel(seed)), part(LampPreset::Led5000k, kernel(seed + 1.0))];
+            let responses = [Response::Photopic, Response::Scotopic, Response::CieX, Response::JohnsonB];
+            let seen = SeenSky::of(&parts, &responses);
+            let baseline = crate::simd::with_baseline(|| SeenSky::of(&parts, &responses));
+            for (place, response) in responses.iter().enumerate() {
+                for direction in (0..DIRECTION_COUNT).step_by(37) {
+                    let exact: f64 = parts.iter().map(|part| {
+                        let nodes = from_fn(|band| f64::from(part.kernel.samples()[band * DIRECTION_COUNT + direction]));
+                        part.light.rule(response).value(nodes)
+                    }).sum();
+                    for seen in [&seen, &baseline] {
+                        let got = f64::from(seen.plane(place)[direction]);
+                        prop_assert!((got - exact).abs() <= 1e-5 * exact, "{} {}", got, exact);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn planes_are_found_by_their_response() {
+        let parts = [part(LampPreset::Mixed, kernel(1.0))];
+        let seen = SeenSky::of(&parts, &[Response::Photopic, Response::Dnb]);
+        assert_eq!(seen.seen_by(&Response::Dnb), Some(seen.plane(1)));
+        assert_eq!(seen.seen_by(&Response::Sqm), None);
+        assert!(seen.plane(2).is_empty() && seen.plane(0).iter().any(|value| *value > 0.0));
+        let none = SeenSky::of(&[], &[Response::Photopic]);
+        assert!(none.plane(0).iter().all(|value| *value == 0.0));
+        assert_eq!(SeenSky::from_values(vec![Response::Photopic], vec![0.0; 3]), None);
+    }
+}
