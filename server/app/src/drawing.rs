@@ -11,6 +11,7 @@ use skyglow_display::{
 };
 use skyglow_observatory::RenderedSky;
 use skyglow_physics::{SeenSky, spectrum::RGB_BANDS};
+use std::cell::OnceCell;
 use thiserror::Error;
 
 /// A defect of the program: what is asked was checked before.
@@ -38,9 +39,10 @@ pub fn draw(
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
     let image = || picture(&sky.seen, &sky.response, &sky.horizon, &options);
+    let bands = OnceCell::new();
     let floats = || {
-        let bands = SeenSky::of(&sky.parts, &RGB_BANDS);
-        raster(&bands, &sky.horizon, options.projection, view.raster_size_px, options.sky)
+        let bands = bands.get_or_init(|| SeenSky::of(&sky.parts, &RGB_BANDS));
+        raster(bands, &sky.horizon, options.projection, view.raster_size_px, options.sky)
     };
     Ok(match format {
         Format::Png => encode_png(&image()?, &notes)?,

@@ -104,8 +104,7 @@ mod tests {
     /// An EXR decodes to the same floats in channels named r g b.
     #[test]
     fn an_exr_round_trips_in_channels_r_g_b() {
-        let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
-        let panorama = Panorama::from_samples(samples).unwrap();
+        let panorama = bands_sky(|i| 1e-9 * i as f32);
         let flat = Horizon::flat();
         let raster =
             raster(&panorama, &flat, Projection::Equirectangular, (256, 64), Sky::Artificial).unwrap();
@@ -148,7 +147,7 @@ mod tests {
     /// The same raster gives the same bytes.
     #[test]
     fn an_exr_has_the_same_bytes_each_time() {
-        let (dark, flat) = (Panorama::dark(), Horizon::flat());
+        let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
         let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
         let encode = || encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
         let first = encode();

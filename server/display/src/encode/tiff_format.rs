@@ -132,8 +132,7 @@ mod tests {
     /// A TIFF decodes to the same floats and nan outside the sky.
     #[test]
     fn a_tiff_round_trips_with_nan_outside_the_sky() {
-        let samples = (0..Panorama::LEN).map(|i| 1e-9 * i as f32).collect();
-        let panorama = Panorama::from_samples(samples).unwrap();
+        let panorama = bands_sky(|i| 1e-9 * i as f32);
         let flat = Horizon::flat();
         // The last has several strips.
         for (projection, size) in [
