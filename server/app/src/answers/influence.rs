@@ -192,7 +192,7 @@ impl InfluenceAnswer {
         Self {
             assumptions,
             measure: measure_name(measure).to_owned(),
-            unit: unit,
+            unit,
             total,
             lit_pixels: map.pixels().len() as u64,
             scale: map.scale,
