@@ -685,6 +685,8 @@ export interface components {
             local_optical_depth: number[];
             /** @description Where the observer is. */
             observer: components["schemas"]["ObserverAnswer"];
+            /** @description What sees the sky, where it is not the light-adapted eye. */
+            response: components["schemas"]["ResponseAnswer"];
             /** @description `single`: first order alone; `multiple`: all orders, with light that the ground sends back. */
             scattering: string;
             /** @description Id of the scenario or plan that changes its lights; null for the scene as it is. */
@@ -1120,12 +1122,31 @@ export interface components {
         /** @description A lamp. */
         LampAnswer: {
             /**
-             * @description Flux in R, G, B per flux weighted by the satellite's response. A satellite sees no blue: the lamp is
-             *     an assumption.
+             * Format: double
+             * @description Correlated colour temperature, K; null where it has none.
+             */
+            colour_temperature_k?: number | null;
+            /**
+             * @description Flux in R, G, B (600–700, 500–600, 400–500 nm) per flux weighted by the satellite's response. A satellite sees no blue: the
+             *     lamp is an assumption.
              */
             flux_per_dnb_flux: number[];
+            /**
+             * Format: double
+             * @description Lumens per watt that the satellite sees.
+             */
+            lumens_per_dnb_watt: number;
+            /** @description Named lamps of a mix with their shares of the lumens; null for others. */
+            mix?: {
+                [key: string]: number;
+            } | null;
             /** @description The preset's name, or null for a custom lamp. */
             preset?: string | null;
+            /**
+             * Format: double
+             * @description Scotopic over photopic flux; null without visible light.
+             */
+            scotopic_photopic_ratio?: number | null;
         };
         /** @description Lamps. */
         LampBody: components["schemas"]["FixtureBody"] | components["schemas"]["ReplaceBody"];
@@ -1167,8 +1188,8 @@ export interface components {
         };
         /** @description A panorama's samples and numbers. */
         PanoramaAnswer: components["schemas"]["Assumptions"] & {
-            /** @description Wavelengths of the bands R, G, B, nm. */
-            bands_nm: number[];
+            /** @description First and last wavelength of the bands R, G, B, nm. */
+            bands_nm: number[][];
             /** @description Where the samples are. */
             grid: components["schemas"]["PanoramaGrid"];
             /**
@@ -1182,8 +1203,10 @@ export interface components {
             radiance: number[][][];
             /** @description The numbers. */
             sky: components["schemas"]["QuantitiesAnswer"];
-            /** @description Unit of the samples. */
+            /** @description Unit of `radiance`. */
             unit: string;
+            /** @description What the response sees, `values[row][column]`, in its unit; 0 below the horizon, whichever light. */
+            values: number[][];
         };
         /** @description The grid of a panorama. */
         PanoramaGrid: {
@@ -1491,9 +1514,11 @@ export interface components {
              * @description Artificial luminance at the zenith over the natural one of a clear sky.
              */
             ratio_to_natural: number;
+            seen?: components["schemas"]["ResponseQuantities"] | null;
             /**
              * Format: double
-             * @description As a Sky Quality Meter at the zenith sees it (Gaussian, FWHM 20°), cd m⁻².
+             * @description As a Sky Quality Meter at the zenith sees it (its spectral response, Gaussian of 20° FWHM): the luminance of the magnitude that
+             *     it would read of artificial light alone, cd m⁻².
              */
             sqm_luminance_cd_m2: number;
             /**
@@ -1506,13 +1531,32 @@ export interface components {
              * @description The same, mag arcsec⁻².
              */
             zenith_brightness_mag_arcsec2?: number | null;
+            /** @description What eyes and instruments see within 5° of the zenith. */
+            zenith_by_response: components["schemas"]["ZenithValue"][];
+            /** @description Chromaticity x, y (CIE 1931) of the light at the zenith; null without light. */
+            zenith_chromaticity?: number[] | null;
+            /**
+             * Format: double
+             * @description Its correlated colour temperature, K; null where it has none.
+             */
+            zenith_colour_temperature_k?: number | null;
             /**
              * Format: double
              * @description Mean within 5° of the zenith, cd m⁻².
              */
             zenith_luminance_cd_m2: number;
-            /** @description Radiance at the zenith in R, G, B, W m⁻² sr⁻¹. */
+            /** @description Radiance at the zenith in R, G, B (600–700, 500–600, 400–500 nm), W m⁻² sr⁻¹. */
             zenith_radiance_w_m2_sr: number[];
+            /**
+             * Format: double
+             * @description Scotopic luminance within 5° of the zenith, what the dark-adapted eye sees, cd m⁻².
+             */
+            zenith_scotopic_luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description Scotopic over photopic luminance at the zenith; null without light.
+             */
+            zenith_scotopic_photopic_ratio?: number | null;
             /**
              * Format: double
              * @description With the natural sky, mag arcsec⁻².
@@ -1535,6 +1579,60 @@ export interface components {
             keep?: string | null;
             /** @description The new ones. */
             to: components["schemas"]["FixtureBody"];
+        };
+        /** @description What sees the sky. */
+        ResponseAnswer: {
+            /** @description Its name, or `custom` for a curve of the user's own. */
+            name: string;
+            /** @description Unit of what it sees. */
+            unit: string;
+        };
+        /** @description The numbers of a sky as one response sees it. */
+        ResponseQuantities: {
+            /**
+             * Format: double
+             * @description Largest, of artificial light.
+             */
+            brightest: number;
+            /**
+             * Format: double
+             * @description ∫ sin(elevation) dΩ over the visible sky, of artificial light: an illuminance where the unit is that of a luminance.
+             */
+            horizontal: number;
+            /**
+             * Format: double
+             * @description With the natural sky.
+             */
+            horizontal_total: number;
+            /**
+             * Format: double
+             * @description Mean over the visible sky, of artificial light.
+             */
+            mean: number;
+            /** @description Which. */
+            response: string;
+            /** @description Unit of all but the sums over directions, which are in that times sr. */
+            unit: string;
+            /**
+             * Format: double
+             * @description Mean within 5° of the zenith, of artificial light.
+             */
+            zenith: number;
+            /**
+             * Format: double
+             * @description Magnitude of the zenith in the response's own system; null where it has none.
+             */
+            zenith_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description With the natural sky.
+             */
+            zenith_total: number;
+            /**
+             * Format: double
+             * @description With the natural sky.
+             */
+            zenith_total_brightness_mag_arcsec2?: number | null;
         };
         /** @description Lights at some distance. */
         RingAnswer: components["schemas"]["PartAnswer"] & {
@@ -1921,6 +2019,33 @@ export interface components {
             /** @description The scene's version. */
             version: string;
         };
+        /** @description What a response sees at the zenith. */
+        ZenithValue: {
+            /**
+             * Format: double
+             * @description Magnitude of the value in the response's own system; null where it has none.
+             */
+            brightness_mag_arcsec2?: number | null;
+            /** @description Which. */
+            response: string;
+            /**
+             * Format: double
+             * @description With the natural sky.
+             */
+            total: number;
+            /**
+             * Format: double
+             * @description Magnitude of the total.
+             */
+            total_brightness_mag_arcsec2?: number | null;
+            /** @description Unit of the values. */
+            unit: string;
+            /**
+             * Format: double
+             * @description Of artificial light.
+             */
+            value: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -1964,6 +2089,8 @@ export type PlannedSite = components['schemas']['PlannedSite'];
 export type Problem = components['schemas']['Problem'];
 export type QuantitiesAnswer = components['schemas']['QuantitiesAnswer'];
 export type ReplaceBody = components['schemas']['ReplaceBody'];
+export type ResponseAnswer = components['schemas']['ResponseAnswer'];
+export type ResponseQuantities = components['schemas']['ResponseQuantities'];
 export type RingAnswer = components['schemas']['RingAnswer'];
 export type ScenarioAnswer = components['schemas']['ScenarioAnswer'];
 export type ScenarioBody = components['schemas']['ScenarioBody'];
@@ -1977,6 +2104,7 @@ export type SiteBody = components['schemas']['SiteBody'];
 export type SkyAnswer = components['schemas']['SkyAnswer'];
 export type TargetAnswer = components['schemas']['TargetAnswer'];
 export type TileJson = components['schemas']['TileJson'];
+export type ZenithValue = components['schemas']['ZenithValue'];
 export type $defs = Record<string, never>;
 export interface operations {
     get_docs: {
@@ -2953,8 +3081,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. Default: mixed. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. Default: photopic. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3122,8 +3252,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. Default: mixed. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. Default: photopic. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3285,8 +3417,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3421,8 +3555,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3572,8 +3708,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3708,8 +3846,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3859,8 +3999,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -3995,8 +4137,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -4146,8 +4290,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -4298,8 +4444,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -4439,8 +4587,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -4802,8 +4952,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. Default: mixed. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. Default: photopic. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -4993,7 +5145,7 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
@@ -5137,8 +5289,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -5269,8 +5423,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -5427,7 +5583,7 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
@@ -5589,8 +5745,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -5890,8 +6048,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -6329,8 +6489,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -6461,8 +6623,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. Default: mixed. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. Default: photopic. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
@@ -6595,8 +6759,10 @@ export interface operations {
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
                 scattering?: "single" | "multiple";
-                /** @description Lamp: its flux in the bands R, G, B per flux that the satellite saw. Allowed: neutral, hps, lps, pc_amber, led_3000k, led_4000k, metal_halide, mercury, mixed, or three numbers r,g,b from 0 to 100, not all 0. Default: mixed. */
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. Default: mixed. */
                 lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. Default: photopic. */
+                response?: string;
                 /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. Default: modern_city. */
                 emission?: string;
                 /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
