@@ -76,6 +76,8 @@ pub struct Prepared {
     pub cells: Vec<PreparedCell>,
     /// Columns with light, by azimuth.
     pub columns: Vec<LitColumn>,
+    /// Observer's altitude, metres above sea level, within the tables.
+    pub observer_altitude_m: f64,
     /// Interpolation over observer altitude.
     pub altitude_stencil: Stencil,
     /// The same on the altitudes of the tables of sources behind skylines; a single node without such.
@@ -117,6 +119,7 @@ impl Prepared {
             nodes: Vec::new(),
             cells: Vec::new(),
             columns: Vec::new(),
+            observer_altitude_m,
             altitude_stencil,
             blocked_altitude_stencil,
             turbidity_stencil,

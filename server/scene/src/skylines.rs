@@ -10,7 +10,7 @@
 //! none beyond 64 km, have errors half again as large.
 
 use crate::sections::{Flaw, Sections, pack_ascending, unpack_ascending};
-use bytemuck::{cast_slice, pod_collect_to_vec};
+use bytemuck::cast_slice;
 use rayon::prelude::*;
 use skyglow_physics::blocking::{BLOCKING_COUNT, blocking_position};
 use std::{borrow::Cow, ops::Range};
@@ -38,9 +38,10 @@ pub(crate) type Skyline = [[u8; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
 /// The skylines of lights, by the index of the light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Skylines {
-    /// Index of the light's skyline in `blocked`; [`OPEN`] for an open sky.
+    /// Index of the light's skyline in each column of `blocked`; [`OPEN`] for an open sky.
     at: Vec<u32>,
-    blocked: Vec<Skyline>,
+    /// `[azimuth][skyline]`: neighbouring lights see an observer in nearly the same azimuth, and theirs lie side by side.
+    blocked: [Vec<[u8; DISTANCE_COUNT]>; SKYLINE_AZIMUTH_COUNT],
 }
 
 /// A light under an open sky.
@@ -67,20 +68,25 @@ impl Skylines {
         if skyline.iter().flatten().all(|&code| code == 0) {
             self.at.push(OPEN);
         } else {
-            self.at.push(self.blocked.len() as u32);
-            self.blocked.push(*skyline);
+            self.at.push(self.blocked_count() as u32);
+            self.blocked.iter_mut().zip(skyline).for_each(|(column, codes)| column.push(*codes));
         }
     }
 
     /// The skyline of a light.
     pub(crate) fn skyline(&self, light: usize) -> Skyline {
         let at = self.at[light];
-        if at == OPEN { Skyline::default() } else { self.blocked[at as usize] }
+        if at == OPEN { Skyline::default() } else { self.blocked_skyline(at as usize) }
+    }
+
+    /// The skyline at an index of `blocked`.
+    fn blocked_skyline(&self, at: usize) -> Skyline {
+        std::array::from_fn(|azimuth| self.blocked[azimuth][at])
     }
 
     /// How many lights have terrain around them.
     pub(crate) fn blocked_count(&self) -> usize {
-        self.blocked.len()
+        self.blocked[0].len()
     }
 
     /// Whether a light has an open sky.
@@ -98,7 +104,6 @@ impl Skylines {
         if at == OPEN {
             return 0.0;
         }
-        let skyline = &self.blocked[at as usize];
         // Towards the nearest distance of any source, half of the first distance, it falls to nothing.
         let distance = (log_distance / DISTANCE_LOG_STEP).clamp(0.0, DISTANCE_COUNT as f64);
         let outer = (distance as usize).min(DISTANCE_COUNT - 1);
@@ -107,7 +112,7 @@ impl Skylines {
         let left = column as usize;
         let along = column - left as f64;
         let code_at = |column: usize| {
-            let codes = &skyline[column % SKYLINE_AZIMUTH_COUNT];
+            let codes = &self.blocked[column % SKYLINE_AZIMUTH_COUNT][at as usize];
             let inner = if outer == 0 { 0.0 } else { f64::from(codes[outer - 1]) };
             inner + out * (f64::from(codes[outer]) - inner)
         };
@@ -137,7 +142,8 @@ impl Skylines {
                 let flux = flux_dnb_w(child);
                 total += flux;
                 if !self.is_open(child) {
-                    let codes = self.blocked[self.at[child] as usize].iter().flatten();
+                    let skyline = self.skyline(child);
+                    let codes = skyline.iter().flatten();
                     sums.iter_mut().flatten().zip(codes).for_each(|(sum, &code)| {
                         *sum += flux as f32 * f32::from(code);
                     });
@@ -154,10 +160,12 @@ impl Skylines {
     /// The sections to store.
     pub(crate) fn to_sections(&self) -> Vec<(String, Cow<'_, [u8]>)> {
         let blocked: Vec<u64> = (0..self.at.len() as u64).filter(|&i| !self.is_open(i as usize)).collect();
+        let skylines = (0..self.blocked_count()).map(|at| self.blocked_skyline(at));
+        let codes = skylines.flat_map(|skyline| skyline.map(|codes| steps(&codes))).flatten();
         vec![
             ("reaches".into(), Cow::Borrowed(cast_slice(&SKYLINE_DISTANCES_M))),
             ("blocked".into(), Cow::Owned(pack_ascending(&blocked))),
-            ("codes".into(), Cow::Owned(self.blocked.iter().flatten().flat_map(steps).collect())),
+            ("codes".into(), Cow::Owned(codes.collect())),
         ]
     }
 
@@ -179,11 +187,14 @@ impl Skylines {
         for (number, &index) in indices.iter().enumerate() {
             at[index as usize] = number as u32;
         }
-        let mut blocked: Vec<Skyline> = pod_collect_to_vec(&codes);
-        for codes in blocked.iter_mut().flatten() {
+        let mut blocked: [Vec<[u8; DISTANCE_COUNT]>; SKYLINE_AZIMUTH_COUNT] =
+            std::array::from_fn(|_| Vec::with_capacity(indices.len()));
+        for (number, steps) in codes.as_chunks::<DISTANCE_COUNT>().0.iter().enumerate() {
+            let mut codes = *steps;
             for distance in 1..DISTANCE_COUNT {
                 codes[distance] = codes[distance].wrapping_add(codes[distance - 1]);
             }
+            blocked[number % SKYLINE_AZIMUTH_COUNT].push(codes);
         }
         Ok(Self { at, blocked })
     }

@@ -6,6 +6,7 @@ pub mod blend;
 pub mod cell_weights;
 pub mod coefficients;
 pub mod inverse_fft;
+pub mod kept_shapes;
 pub mod lanes;
 pub mod layout;
 pub mod mix_scale;
@@ -28,6 +29,7 @@ use blend::blend;
 use cell_weights::cell_weights;
 use coefficients::coefficients;
 use inverse_fft::inverse_fft;
+use kept_shapes::{FilledNodes, KeptShapes};
 use mix_scale::mix_scale;
 use mix_shape::mix_shape;
 use rayon::prelude::*;
@@ -42,6 +44,7 @@ pub struct CpuExecutor {
     basis: Vec<BlockedBasis>,
     twiddles: Twiddles,
     scratch: ScratchPool,
+    kept: KeptShapes,
 }
 
 /// One pack's share of one request.
@@ -54,11 +57,17 @@ impl CpuExecutor {
     /// Lays the tables out for the passes.
     pub fn new(set: TableSet) -> Self {
         let basis = set.tables().iter().map(|tables| BlockedBasis::of(tables)).collect();
-        Self { set, basis, twiddles: twiddles(), scratch: ScratchPool::default() }
+        Self {
+            set,
+            basis,
+            twiddles: twiddles(),
+            scratch: ScratchPool::default(),
+            kept: KeptShapes::default(),
+        }
     }
 
     /// Renders a batch on the threads of the pool, of which the calling thread is one.
-    fn render_all(&self, batch: &[&Prepared]) -> BatchOutput {
+    fn render_all(&mut self, batch: &[&Prepared]) -> BatchOutput {
         let start = Instant::now();
         let items: Vec<Item<'_>> = batch
             .iter()
@@ -67,9 +76,23 @@ impl CpuExecutor {
         let cores = rayon::current_num_threads();
         // Cores without an item of their own help with those of others.
         let share_within = cores > 1 && !items.len().is_multiple_of(cores) && items.len() < 4 * cores;
-        let rendered: Vec<(Vec<f32>, PassClock)> =
-            items.par_iter().with_max_len(1).map(|item| self.render_pack(item, share_within)).collect();
         let mut clock = PassClock::default();
+        let mut rendered: Vec<(Vec<f32>, PassClock)> = Vec::with_capacity(items.len());
+        for items in items.chunks(cores) {
+            let since = self.kept.now();
+            let fill = |item: &Item<'_>| self.kept.fill(&self.set, item.request, item.pack, since);
+            let filled: Vec<FilledNodes> = clock.time(Pass::MixShape, || items.iter().map(fill).collect());
+            let render = |(item, nodes): (&Item<'_>, &FilledNodes)| {
+                let (mut scratch, start) = (self.scratch.take(), Instant::now());
+                self.kept.interpolate(nodes, share_within, &mut scratch.mixed);
+                let microseconds = start.elapsed().as_secs_f64() * 1e6;
+                let (sky, mut clock) = self.finish(item, share_within, scratch);
+                clock.add(Pass::MixShape, microseconds);
+                (sky, clock)
+            };
+            rendered.par_extend(items.par_iter().zip(&filled).with_max_len(1).map(render));
+        }
+        self.kept.shrink();
         let mut rendered = rendered.into_iter().map(|(sky, times)| {
             clock.merge(&times);
             sky
@@ -97,9 +120,13 @@ impl CpuExecutor {
         BatchOutput { radiance_w_m2_sr, passes: clock.into_passes() }
     }
 
-    /// The sky of one pack of a request; with all cores where `side_by_side`.
+    /// The sky of one pack of a request, mixed for its very altitude, which keeps nothing; with all cores where
+    /// `side_by_side`.
     pub fn sky(&self, request: &Prepared, pack: usize, side_by_side: bool) -> Vec<f32> {
-        self.render_pack(&Item { request, pack }, side_by_side).0
+        let (mut scratch, tables) = (self.scratch.take(), &self.set.tables()[pack]);
+        mix_scale(tables, request, side_by_side, &mut scratch.scales);
+        mix_shape(tables, request, &scratch.scales, side_by_side, &mut scratch.mixed);
+        self.finish(&Item { request, pack }, side_by_side, scratch).0
     }
 
     /// The table of its transforms.
@@ -107,8 +134,9 @@ impl CpuExecutor {
         &self.twiddles
     }
 
-    fn render_pack(&self, item: &Item<'_>, side_by_side: bool) -> (Vec<f32>, PassClock) {
-        let (mut scratch, mut sky) = (self.scratch.take(), self.scratch.take_panorama());
+    /// The passes of an item whose shapes are mixed.
+    fn finish(&self, item: &Item<'_>, side_by_side: bool, mut scratch: Scratch) -> (Vec<f32>, PassClock) {
+        let mut sky = self.scratch.take_panorama();
         let clock = self.run_passes(item, side_by_side, &mut scratch, &mut sky);
         self.scratch.keep(scratch);
         (sky, clock)
@@ -127,7 +155,6 @@ impl CpuExecutor {
         let mut clock = PassClock::default();
         let Scratch { scales, mixed, weights, columns, spectra, sums } = scratch;
         clock.time(Pass::MixScale, || mix_scale(tables, request, side_by_side, scales));
-        clock.time(Pass::MixShape, || mix_shape(tables, request, scales, side_by_side, mixed));
         clock.time(Pass::CellWeights, || cell_weights(request, scales, side_by_side, weights));
         clock.time(Pass::Coefficients, || {
             coefficients(request, mixed, weights, side_by_side, columns);
@@ -165,7 +192,9 @@ impl Executor for CpuExecutor {
 mod tests {
     use super::*;
     use crate::{device::warm_up_requests, request::RenderRequest, synthetic};
-    use skyglow_physics::{Turbidity, simd};
+    use kept_shapes::MAX_KEPT_BYTES;
+    use skyglow_physics::{EmissionMix, Turbidity, simd};
+    use std::sync::Arc;
 
     fn prepared(set: &TableSet, basis: usize) -> Prepared {
         let polar = synthetic::polar_grid_with_skylines(7, 3000);
@@ -174,7 +203,7 @@ mod tests {
     }
 
     fn render(executor: &CpuExecutor, request: &Prepared, baseline: bool) -> Vec<f32> {
-        let sky = || executor.render_pack(&Item { request, pack: 0 }, false).0;
+        let sky = || executor.sky(request, 0, false);
         if baseline { simd::with_baseline(sky) } else { sky() }
     }
 
@@ -195,11 +224,62 @@ mod tests {
         assert!(difference(&wide, &fewer) > 1e-5);
     }
 
+    /// Shapes that are kept change no bit: of a request as it was, at another altitude, with another emission, with dark
+    /// bands, with fewer functions, be there room for all of them or for hardly one.
+    #[test]
+    fn kept_shapes_change_no_bit() {
+        let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0, 3.0, 4.0], 80)).unwrap();
+        let polar = Arc::new(synthetic::polar_grid_with_skylines(7, 3000));
+        let first = synthetic::request(synthetic::dark_grid(), Turbidity::new(2.4).unwrap());
+        let first = RenderRequest { polar, ..first };
+        let other = Arc::new(synthetic::polar_grid_with_skylines(8, 2000));
+        let mut dark_band = first.flux_per_dnb_flux;
+        dark_band[1] = 0.0;
+        let altitude_m = first.observer_altitude_m;
+        let requests: Vec<Prepared> = [
+            first.clone(),
+            RenderRequest { polar: other, observer_altitude_m: altitude_m + 1.0, ..first.clone() },
+            RenderRequest { observer_altitude_m: altitude_m + 100.0, ..first.clone() },
+            RenderRequest { emission: EmissionMix::lambert(), ..first.clone() },
+            RenderRequest { flux_per_dnb_flux: dark_band, ..first.clone() },
+            RenderRequest { basis: Some(41), ..first.clone() },
+            first,
+        ]
+        .iter()
+        .map(|request| Prepared::new(request, &set).unwrap())
+        .collect();
+        let cold: Vec<Vec<f32>> = requests
+            .iter()
+            .map(|request| CpuExecutor::new(set.clone()).render_all(&[request]).radiance_w_m2_sr.remove(0))
+            .collect();
+        assert_ne!(cold[0], cold[2]);
+        for max_bytes in [MAX_KEPT_BYTES, 9 << 20, 1] {
+            let mut warm = CpuExecutor::new(set.clone());
+            warm.kept = KeptShapes::with_room(max_bytes);
+            for round in 0..2 {
+                for (request, cold) in requests.iter().zip(&cold) {
+                    let sky = warm.render_all(&[request]).radiance_w_m2_sr.remove(0);
+                    assert!(sky == *cold, "{max_bytes} bytes, round {round}");
+                }
+                let batch: Vec<&Prepared> =
+                    requests.iter().filter(|r| r.is_compatible(&requests[0])).collect();
+                let together = warm.render_all(&batch).radiance_w_m2_sr;
+                assert!(batch.len() > 4);
+                for (sky, request) in together.iter().zip(batch) {
+                    let alone = requests.iter().position(|other| std::ptr::eq(other, request)).unwrap();
+                    assert!(*sky == cold[alone], "{max_bytes} bytes, round {round}, together");
+                }
+            }
+            let kept = warm.kept.byte_count();
+            assert!(kept <= max_bytes && (kept > 0 || max_bytes == 1), "{kept} of {max_bytes}");
+        }
+    }
+
     /// Buffers left over from another request leave no trace.
     #[test]
     fn reused_buffers_leave_no_trace() {
         let set = TableSet::new(synthetic::table_set_with_skylines(&[2.0], 44)).unwrap();
-        let used = CpuExecutor::new(set.clone());
+        let mut used = CpuExecutor::new(set.clone());
         let (large, small) = (prepared(&set, 44), prepared(&set, 5));
         let warm_up = warm_up_requests(&set);
         for request in [&large, &warm_up[0], &small, &large] {
@@ -210,7 +290,8 @@ mod tests {
         let batch: Vec<&Prepared> = vec![&large, &small, &large];
         let together = used.render_all(&batch).radiance_w_m2_sr;
         for (sky, request) in together.iter().zip(batch) {
-            assert_eq!(*sky, render(&used, request, false));
+            let alone = CpuExecutor::new(set.clone()).render_all(&[request]).radiance_w_m2_sr;
+            assert_eq!(*sky, alone[0]);
         }
     }
 }
