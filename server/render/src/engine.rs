@@ -3,6 +3,7 @@
 use crate::{
     MAX_BATCH,
     config::EngineConfig,
+    cpu::kept_shapes::MAX_KEPT_BYTES,
     error::RenderError,
     job::{Command, Job},
     pack_kind::ResidentKind,
@@ -83,7 +84,7 @@ impl Engine {
     }
 
     /// Bytes of main memory that packs take: as they are laid out, once more on a device that is none, and their bases as plain
-    /// Rust has them, for rendering and for influences.
+    /// Rust has them, for rendering and for influences; where plain Rust renders, with what it keeps of them mixed.
     pub fn main_memory_bytes(&self) -> u64 {
         let sum = |bytes: fn(&ResidentTables) -> usize| -> u64 {
             self.tables().iter().map(|tables| bytes(tables) as u64).sum()
@@ -92,7 +93,7 @@ impl Engine {
             (sum(ResidentTables::byte_count), sum(|tables| size_of_val(&tables.basis_spectrum[..])));
         tables
             + match self.info.executor {
-                ExecutorKind::Cpu => 2 * bases,
+                ExecutorKind::Cpu => 2 * bases + MAX_KEPT_BYTES as u64,
                 ExecutorKind::Lavapipe => bases + self.info.resident_bytes,
                 ExecutorKind::Gpu => bases,
             }
