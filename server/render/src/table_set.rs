@@ -3,7 +3,6 @@
 use crate::{
     error::RenderError,
     pack_kind::{PackKind, ResidentKind},
-    prepare::MixNode,
     ring_axis::RingAxis,
 };
 use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LOBE_COUNT, blocking::BLOCKING_COUNT};
@@ -153,18 +152,6 @@ impl TableSet {
     /// The axes of sources behind skylines, where any pack has them.
     pub fn blocked(&self) -> Option<&BlockedAxes> {
         self.blocked.as_ref()
-    }
-
-    /// Number of a node among [`Self::node_count`].
-    pub(crate) fn slot(&self, node: &MixNode) -> usize {
-        let (ring, offset) = (node.ring as usize, node.offset as usize);
-        match (node.blocking as usize, &self.blocked) {
-            (0, _) | (_, None) => ring * self.offset_count() + offset,
-            (blocking, Some(axes)) => {
-                let rings = self.ring_count();
-                rings * self.offset_count() + ((blocking - 1) * rings + ring) * axes.offset_count + offset
-            }
-        }
     }
 
     /// Nodes of the open sky and of all blocking angles: no request mixes more.

@@ -9,7 +9,10 @@ use super::{
     mix_shape::mix_shape,
     work::for_each_part,
 };
-use crate::{prepare::Prepared, table_set::TableSet};
+use crate::{
+    prepare::{MixNode, Prepared},
+    table_set::TableSet,
+};
 use skyglow_physics::{BAND_COUNT, LOBE_COUNT, interpolation::Stencil, simd_dispatch};
 use skyglow_tables::resident::ResidentTables;
 
@@ -36,6 +39,18 @@ struct Key {
 /// Steps of altitude that a quadratic goes through: a table's altitude, the middle, and the next one.
 const STEPS: usize = 3;
 
+/// Number of a node among all that there are, [`TableSet::node_count`].
+fn slot(set: &TableSet, node: &MixNode) -> usize {
+    let (ring, offset) = (node.ring as usize, node.offset as usize);
+    match (node.blocking as usize, set.blocked()) {
+        (0, _) | (_, None) => ring * set.offset_count() + offset,
+        (blocking, Some(axes)) => {
+            let rings = set.ring_count();
+            rings * set.offset_count() + ((blocking - 1) * rings + ring) * axes.offset_count() + offset
+        }
+    }
+}
+
 /// The steps around an altitude, and their weights, summing to 1; at one of the tables' altitudes that step alone.
 fn steps_around(altitudes_m: &[f64], altitude_m: f64) -> ([usize; STEPS], [f32; STEPS]) {
     let last = altitudes_m.len() - 1;
@@ -60,7 +75,7 @@ fn step_altitude_m(altitudes_m: &[f64], step: usize) -> f64 {
 /// The nodes mixed so far for one key.
 struct KeptTable {
     key: Key,
-    /// By slot ([`TableSet::slot`]), where a node is in the blocks that sources behind skylines have too, and in the others;
+    /// By [`slot`], where a node is in the blocks that sources behind skylines have too, and in the others;
     /// 0 where it was not mixed, and in the others behind skylines.
     places: [Vec<u32>; 2],
     /// By block of functions; the first node of each is 0.
@@ -120,7 +135,7 @@ impl KeptShapes {
         self.now += 1;
         let tables = &set.tables()[pack];
         let (steps, weights) = steps_around(&tables.observer_altitude_m, request.observer_altitude_m);
-        let slots: Vec<usize> = request.nodes.iter().map(|node| set.slot(node)).collect();
+        let slots: Vec<usize> = request.nodes.iter().map(|node| slot(set, node)).collect();
         let mut lit_bands = request.lit_bands();
         let key = Key {
             pack,
