@@ -9,12 +9,6 @@ export const NATURAL_SKY_MAG_ARCSEC2 = 22.0;
 /** Luminance of the natural sky, cd m⁻² (uniform). */
 export const NATURAL_SKY_CD_M2 = luminanceFromBrightnessCdM2(NATURAL_SKY_MAG_ARCSEC2);
 
-/** Σ_b K_b L_b: luminance [cd m⁻²] of a radiance [W m⁻² sr⁻¹] in R, G, B. */
-export function luminanceCdM2(redWM2Sr: number, greenWM2Sr: number, blueWM2Sr: number): number {
-  const [red, green, blue] = LUMINOUS_EFFICACY_LM_W;
-  return red * redWM2Sr + green * greenWM2Sr + blue * blueWM2Sr;
-}
-
 /** −2.5·log10(luminance / 1.08e5), mag arcsec⁻²; null for a sky without light. */
 export function brightnessMagArcsec2(luminanceCdM2: number): number | null {
   return luminanceCdM2 > 0 ? -2.5 * Math.log10(luminanceCdM2 / ZERO_POINT_CD_M2) : null;

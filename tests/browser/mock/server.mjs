@@ -4,7 +4,7 @@ import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
-import { COLUMNS, LAMPS, quantities, ROWS, radiance, TOWNS } from "./sky.mjs";
+import { COLUMNS, LAMPS, quantities, RESPONSES, ROWS, radiance, TOWNS, valuesOf } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");
@@ -50,6 +50,11 @@ function answer(query) {
     return {
       errors: [{ parameter: "lamp", value: query.get("lamp"), allowed: Object.keys(LAMPS).join(", "), message: "is not allowed" }],
     };
+  const response = query.get("response") ?? "photopic";
+  if (RESPONSES[response] === undefined)
+    return {
+      errors: [{ parameter: "response", value: response, allowed: Object.keys(RESPONSES).join(", "), message: "is not allowed" }],
+    };
   if (!(turbidity >= 1.5 && turbidity <= 6))
     return { errors: [{ parameter: "turbidity", value: String(turbidity), allowed: "1.5 to 6", message: "is out of range" }] };
   const scattering = query.get("scattering") ?? "multiple";
@@ -67,6 +72,8 @@ function answer(query) {
       coverage: 0.87,
       calibration: 1,
       turbidity,
+      lamp: { preset: query.get("lamp") ?? "mixed", scotopic_photopic_ratio: 1.18, colour_temperature_k: 2769 },
+      response: { name: response, unit: RESPONSES[response].unit },
       scattering,
       clouds: "none",
       ground_albedo: scattering === "multiple" ? 0.15 : null,
@@ -122,6 +129,7 @@ function api(path, query, response) {
       bands_nm: [680, 550, 440],
       unit: "W m-2 sr-1",
       radiance: sky,
+      values: valuesOf(sky, RESPONSES[common.response.name]),
       horizon_deg: new Array(COLUMNS).fill(0),
     });
   }

@@ -25,6 +25,7 @@ export const COLUMNS = 256;
 export const ROWS = 64;
 const EFFICACY = [150, 567, 45];
 const NATURAL = 1.08e5 * 10 ** (-0.4 * 22);
+/** Of the server's lamps a few, each with its flux in R, G, B per DNB watt. */
 export const LAMPS = {
   mixed: [0.408, 0.642, 0.186],
   hps: [0.366, 0.559, 0.068],
@@ -34,6 +35,17 @@ export const LAMPS = {
   led_4000k: [0.449, 0.725, 0.303],
   metal_halide: [0.264, 0.755, 0.365],
   mercury: [0.218, 0.818, 0.301],
+};
+/** What the bands R, G, B count for a response in its unit, what it sees of the natural sky, and whether that has a magnitude. */
+export const RESPONSES = {
+  photopic: { unit: "cd m-2", weights: EFFICACY, natural: NATURAL, hasMagnitude: true },
+  scotopic: { unit: "cd m-2", weights: [15, 560, 850], natural: 2.26 * NATURAL, hasMagnitude: false },
+  johnson_b: { unit: "cd m-2", weights: [0, 60, 420], natural: 0.55 * NATURAL, hasMagnitude: true },
+  johnson_v: { unit: "cd m-2", weights: [120, 560, 50], natural: 0.96 * NATURAL, hasMagnitude: true },
+  johnson_r: { unit: "cd m-2", weights: [520, 240, 0], natural: 1.6 * NATURAL, hasMagnitude: true },
+  sqm: { unit: "cd m-2", weights: [110, 420, 220], natural: NATURAL, hasMagnitude: true },
+  melanopic: { unit: "cd m-2", weights: [0, 200, 560], natural: 0.9 * NATURAL, hasMagnitude: false },
+  dnb: { unit: "nW cm-2 sr-1", weights: [1e5, 0.8e5, 0], natural: 450 * NATURAL, hasMagnitude: false },
 };
 
 const magnitude = (luminance) => (luminance > 0 ? -2.5 * Math.log10(luminance / 1.08e5) : null);
@@ -68,6 +80,22 @@ export function radiance(place, turbidity, lamp) {
   return sky.map((rows) => rows.map((row) => [...Float32Array.from(row)]));
 }
 
+/** What a response sees, [row][column]. */
+export function valuesOf(sky, { weights }) {
+  const value = (row, column) => weights.reduce((sum, weight, band) => sum + weight * sky[band][row][column], 0);
+  return Array.from({ length: ROWS }, (_, row) => Array.from({ length: COLUMNS }, (_, column) => Math.fround(value(row, column))));
+}
+
+/** What the responses see of a radiance in R, G, B at the zenith. */
+function zenithByResponse(radiance) {
+  return Object.entries(RESPONSES).map(([response, { unit, weights, natural, hasMagnitude }]) => {
+    const value = weights.reduce((sum, weight, band) => sum + weight * radiance[band], 0);
+    const mag = (light) => (hasMagnitude ? magnitude(light) : null);
+    const total = value + natural;
+    return { response, unit, value, total, brightness_mag_arcsec2: mag(value), total_brightness_mag_arcsec2: mag(total) };
+  });
+}
+
 export function quantities(sky) {
   const luminance = (row, column) => EFFICACY.reduce((sum, k, band) => sum + k * sky[band][row][column], 0);
   const step = 90 / ROWS;
@@ -93,6 +121,9 @@ export function quantities(sky) {
   }
   const [zenith, sqm, mean] = [sums.zenith, sums.sqm, sums.mean].map(([value, weight]) => value / weight);
   const totalMag = magnitude(zenith + NATURAL);
+  const zenithRadiance = sky.map((band) => band[ROWS - 1].reduce((sum, value) => sum + value, 0) / COLUMNS);
+  const byResponse = zenithByResponse(zenithRadiance);
+  const scotopic = byResponse.find(({ response }) => response === "scotopic").value;
   const ends = [21.99, 21.89, 21.69, 20.49, 19.5, 18.94, 18.38];
   const place = ends.findIndex((end) => totalMag > end);
   return {
@@ -111,6 +142,11 @@ export function quantities(sky) {
     brightest_elevation_deg: (brightest[1] + 0.5) * step,
     bortle_class: place >= 0 ? place + 1 : totalMag >= 17.8 ? 8 : 9,
     naked_eye_limit_mag: Math.max(2, 6.27 - 0.33 * Math.max(0, 22 - totalMag)),
-    zenith_radiance_w_m2_sr: [0, 0, 0],
+    zenith_radiance_w_m2_sr: zenithRadiance,
+    zenith_by_response: byResponse,
+    zenith_scotopic_luminance_cd_m2: scotopic,
+    zenith_scotopic_photopic_ratio: zenith > 0 ? scotopic / zenith : null,
+    zenith_colour_temperature_k: zenith > 0 ? 3000 : null,
+    zenith_chromaticity: zenith > 0 ? [0.44, 0.4] : null,
   };
 }

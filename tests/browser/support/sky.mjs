@@ -22,9 +22,9 @@ export function skyPath(scene, kind, { latitude_deg, longitude_deg }, more = "")
   return `scenes/${scene.id}/${kind}?lat=${latitude_deg}&lon=${longitude_deg}${more}`;
 }
 
-/** Luminance of artificial light at the sample nearest to a direction, with that sample's direction. */
+/** What is seen of artificial light at the sample nearest to a direction, with that sample's direction. */
 export function sample(panorama, azimuthDeg, elevationDeg) {
-  const { grid, radiance } = panorama;
+  const { grid, values } = panorama;
   const column =
     Math.round((azimuthDeg - grid.azimuth_first_deg) / grid.azimuth_step_deg + grid.azimuth_count) % grid.azimuth_count;
   const wanted = Math.round((elevationDeg - grid.elevation_first_deg) / grid.elevation_step_deg);
@@ -32,7 +32,7 @@ export function sample(panorama, azimuthDeg, elevationDeg) {
   return {
     azimuth_deg: grid.azimuth_first_deg + column * grid.azimuth_step_deg,
     elevation_deg: grid.elevation_first_deg + row * grid.elevation_step_deg,
-    luminance_cd_m2: 150 * radiance[0][row][column] + 567 * radiance[1][row][column] + 45 * radiance[2][row][column],
+    luminance_cd_m2: values[row][column],
   };
 }
 

@@ -37,6 +37,7 @@ export type SkyParameters = Pick<
   | "emission_keep"
   | "terrain"
   | "scenario"
+  | "response"
 >;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;

@@ -2,10 +2,38 @@
 
 import { api, type SkyParameters } from "../api/client.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import { CONDITIONS, conditionsOf, coordinatesOf, isCompared, sceneOf, todaysConditions } from "../state/app-state.ts";
+import { type AppState, CONDITIONS, coordinatesOf, isCompared, pictureConditions, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import type { Place } from "../state/view-state.ts";
 
-const NO_SKY = { skyStage: "none", site: null, answer: null, panorama: null, panoramaToday: null } as const;
+const NO_SKY = {
+  skyStage: "none",
+  site: null,
+  answer: null,
+  comparison: null,
+  panorama: null,
+  panoramaToday: null,
+} as const;
+
+/** The skies of a state. */
+interface SkyRequests {
+  shown: SkyParameters;
+  /** Whose picture is shown beside it. */
+  beside: SkyParameters | null;
+  /** Whose numbers it is compared with: today's of painted lights, or those of today's. A plan has its own. */
+  compared: SkyParameters | null;
+}
+
+function requestsOf(state: Readonly<AppState>, place: Place): SkyRequests {
+  const shown = { ...coordinatesOf(place), ...pictureConditions(state) };
+  const { scenario, ...today } = shown;
+  const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
+  return {
+    shown,
+    beside: isCompared(state) ? today : null,
+    compared: painted === null ? null : scenario === undefined ? { ...today, scenario: painted } : today,
+  };
+}
 
 export class SkySession {
   private controller = new AbortController();
@@ -13,41 +41,48 @@ export class SkySession {
   private requestedSite = "";
 
   constructor(private readonly store: AppStore) {
-    store.watch([sceneOf, "place", ...CONDITIONS], (state) => {
+    const isRealistic = ({ colours }: Readonly<AppState>) => colours === "realistic";
+    store.watch([sceneOf, "place", isRealistic, ...CONDITIONS], (state) => {
       const scene = sceneOf(state);
       if (scene === null || state.place === null) {
         this.cancel();
         return;
       }
-      const coordinates = coordinatesOf(state.place);
-      const today = isCompared(state) ? { ...coordinates, ...todaysConditions(state) } : null;
-      void this.load(scene.id, { ...coordinates, ...conditionsOf(state) }, today);
+      void this.load(scene.id, requestsOf(state, state.place));
     });
   }
 
-  /** Requests a sky, and today's to compare it with, unless these are the last requests. */
-  private async load(scene: string, parameters: SkyParameters, today: SkyParameters | null): Promise<void> {
-    const requested = JSON.stringify([scene, parameters, today]);
+  /** Requests a sky, and what it is compared with, unless these are the last requests. */
+  private async load(scene: string, requests: SkyRequests): Promise<void> {
+    const { shown, beside, compared } = requests;
+    const requested = JSON.stringify([scene, requests]);
     if (requested === this.requested) return;
     this.restart();
     const { signal } = this.controller;
     this.requested = requested;
-    const requestedSite = JSON.stringify([scene, parameters.lat, parameters.lon]);
+    const requestedSite = JSON.stringify([scene, shown.lat, shown.lon]);
     performance.clearMarks("sky:asked");
     performance.mark("sky:asked");
     this.store.set({ isBusy: true });
     try {
       if (requestedSite !== this.requestedSite) {
-        this.store.set({ ...NO_SKY, site: await api.site(scene, parameters, signal), skyStage: "site" });
+        this.store.set({ ...NO_SKY, site: await api.site(scene, shown, signal), skyStage: "site" });
         this.requestedSite = requestedSite;
         performance.measure("sky:site", "sky:asked");
       }
-      this.store.set({ answer: await api.sky(scene, parameters, signal), skyStage: "numbers" });
+      const answer = await api.sky(scene, shown, signal);
+      this.store.set({ answer, skyStage: "numbers" });
       performance.measure("sky:numbers", "sky:asked");
-      const both = today === null ? [parameters] : [parameters, today];
-      const answers = await Promise.all(both.map((query) => api.panorama(scene, query, signal)));
+      const both = beside === null ? [shown] : [shown, beside];
+      const [answers, other] = await Promise.all([
+        Promise.all(both.map((query) => api.panorama(scene, query, signal))),
+        compared === null ? null : api.sky(scene, compared, signal),
+      ]);
       const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
-      this.store.set({ panorama, panoramaToday, skyStage: "picture" });
+      const isToday = shown.scenario === undefined;
+      const [before, after] = isToday ? [answer, other] : [other, answer];
+      const comparison = before === null || after === null ? null : { before: before.sky, after: after.sky };
+      this.store.set({ panorama, panoramaToday, comparison, skyStage: "picture" });
       performance.measure("sky:picture", "sky:asked");
       this.store.set({ isBusy: false });
     } catch (reason) {

@@ -99,6 +99,9 @@ export const english = {
     legend: "Brightness, mag/arcsec² (a smaller number is brighter)",
     legendLuminance: "Luminance, cd/m² (below: mag/arcsec²)",
     legendRatio: "Luminance, times the natural sky (below: mag/arcsec²)",
+    legendValue: (unit: string) => `Value, ${unit}`,
+    legendBesideNatural: (unit: string) => `Value, ${unit} (below: times the natural sky)`,
+    legendBeside: (unit: string) => `Value, times the natural sky (below: ${unit})`,
     natural: "The natural night sky",
     colours: "Colours",
     realistic: "as a camera sees it",
@@ -158,6 +161,43 @@ export const english = {
     lampsAssumed: (lamp: string) =>
       `Lamps assumed: ${lamp}. A satellite sees no blue light, so the lamp is a guess, not a measurement.`,
     calibration: (factor: string) => `Radiances times ${factor} (the scene's calibration).`,
+  },
+  /** Numbers for experts. */
+  colour: {
+    title: "Other eyes and colour",
+    ratio: "Scotopic to photopic (S/P)",
+    temperature: "Colour temperature",
+    chromaticity: "Chromaticity x, y",
+    lamps: "Colour of the lamps",
+    lampRatio: (ratio: string) => `S/P ${ratio}`,
+  },
+  /** What sees the sky. */
+  seen: {
+    title: "What sees the sky",
+    response: "Seen by",
+    /** `eye`: one of the responses. */
+    by: (eye: string) => `Seen by: ${eye}`,
+    ofFalseColour: "For the sky in false colour, the brightness of the zenith, the lights that cause it, and plans.",
+    notAsACamera: "The map's layers and plans follow. The sky as a camera sees it is in the colours of the eye by day.",
+  },
+  responses: {
+    photopic: "Eye adapted to light",
+    scotopic: "Eye adapted to the dark",
+    johnson_b: "Filter B, blue",
+    johnson_v: "Filter V, green",
+    johnson_r: "Filter R, red",
+    sqm: "Sky Quality Meter",
+    melanopic: "Body clocks (melanopic)",
+    dnb: "Satellite (DNB)",
+  },
+  /** What changed lights change. */
+  comparison: {
+    title: "Artificial light overhead, before and after",
+    meter: "Sky Quality Meter, with the natural sky",
+    brighter: (mag: string) => `${mag} brighter`,
+    darker: (mag: string) => `${mag} darker`,
+    bluer: "The light is bluer than before. Eyes adapted to the dark, which look at stars, see more of it.",
+    redder: "The light is redder than before. Eyes adapted to the dark, which look at stars, see less of it.",
   },
   /** Classes 1 to 9. */
   bortle: [
@@ -256,16 +296,35 @@ export const english = {
     /** Of what no name is known. */
     own: (value: string) => `own: ${value}`,
     ownFluxes: (fluxes: string) => `own fluxes ${fluxes}`,
+    ownSpectrum: "own spectrum",
   },
   lamps: {
-    mixed: "mixed: half sodium, half white LED",
-    hps: "high-pressure sodium",
+    mixed: "half sodium, half white LED",
     lps: "low-pressure sodium",
+    hps: "high-pressure sodium",
+    hps_colour_enhanced: "whiter high-pressure sodium",
     pc_amber: "amber LED",
-    led_3000k: "white LED, 3000 K",
-    led_4000k: "white LED, 4000 K",
+    led_2700k: "white LED",
+    led_violet_2700k: "violet-pumped LED",
+    led_rgb: "red, green and blue LED",
+    led_hybrid: "white and red LED",
+    led_3000k: "white LED",
+    led_4000k: "white LED",
+    led_violet_4000k: "violet-pumped LED",
+    led_5000k: "white LED",
+    led_6500k: "white LED",
+    incandescent: "incandescent",
+    fluorescent: "fluorescent",
+    metal_halide_3000k: "metal halide",
     metal_halide: "metal halide",
+    metal_halide_ceramic: "ceramic metal halide",
+    fluorescent_three_band: "three-band fluorescent",
     mercury: "mercury vapour",
+  },
+  lampGroups: {
+    sodium: "Sodium",
+    led: "LED",
+    other: "Others",
   },
   emissions: {
     modern_city: "modern: little to the horizon",

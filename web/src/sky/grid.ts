@@ -1,8 +1,10 @@
-// The raw panorama of the API as luminance on its grid, and lookups in it.
+// What is seen of the sky on the grid of the API's panorama, and lookups in it.
 
 import type { PanoramaAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { LUMINOUS_EFFICACY_LM_W, luminanceCdM2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { NO_TINT, type Tint, tintOf } from "./realistic.ts";
+import { type Seen, seenFrom } from "./seen.ts";
 
 /** Artificial light alone, or with the natural sky. */
 export type SkyKind = "artificial" | "total";
@@ -11,20 +13,20 @@ export type SkyKind = "artificial" | "total";
 export interface SkySample {
   azimuthDeg: number;
   elevationDeg: number;
-  /** Artificial light, cd m⁻². */
-  artificialCdM2: number;
-  /** With the natural sky, cd m⁻². */
-  totalCdM2: number;
-  /** Whether terrain hides the sky there: both luminances are then 0. */
+  /** Of artificial light, in the unit of what sees it. */
+  artificial: number;
+  /** With the natural sky. */
+  total: number;
+  /** Whether terrain hides the sky there: both values are then 0. */
   isBelowHorizon: boolean;
 }
 
-/** The luminance of that light there, cd m⁻². */
-export function luminanceOf({ artificialCdM2, totalCdM2 }: SkySample, kind: SkyKind): number {
-  return kind === "total" ? totalCdM2 : artificialCdM2;
+/** The value of that light there. */
+export function valueFor({ artificial, total }: SkySample, kind: SkyKind): number {
+  return kind === "total" ? total : artificial;
 }
 
-/** Luminance of the whole sky. Row 0 is lowest, column 0 looks north. */
+/** Values of the whole sky. Row 0 is lowest, column 0 looks north. */
 export class SkyGrid {
   readonly azimuthCount: number;
   readonly elevationCount: number;
@@ -32,17 +34,22 @@ export class SkyGrid {
   readonly azimuthStepDeg: number;
   readonly elevationFirstDeg: number;
   readonly elevationStepDeg: number;
-  /** Artificial luminance [row][column], cd m⁻². */
-  readonly artificialCdM2: Float64Array;
+  readonly seen: Seen;
+  /** Values of artificial light [row][column], in the unit of what sees it. */
+  readonly artificial: Float64Array;
   /** Artificial radiance [row][column] in R, G, B, W m⁻² sr⁻¹. */
   readonly artificialWM2Sr: readonly [Float32Array, Float32Array, Float32Array];
   /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
   readonly horizonDeg: readonly number[];
-  /** Luminance of the natural sky that is seen, cd m⁻²: nothing of it through clouds. */
+  /** What the natural sky adds to them: nothing through clouds. */
+  readonly natural: number;
+  /** Luminance of the natural sky that is there, cd m⁻². */
   readonly naturalCdM2: number;
+  /** How lamps differ in colour from what the bands say. */
+  readonly tint: Tint;
 
   constructor(answer: PanoramaAnswer) {
-    const { grid, radiance } = answer;
+    const { grid, radiance, values } = answer;
     this.azimuthCount = grid.azimuth_count;
     this.elevationCount = grid.elevation_count;
     this.azimuthFirstDeg = grid.azimuth_first_deg;
@@ -50,27 +57,24 @@ export class SkyGrid {
     this.elevationFirstDeg = grid.elevation_first_deg;
     this.elevationStepDeg = grid.elevation_step_deg;
     this.horizonDeg = answer.horizon_deg ?? [];
+    this.seen = seenFrom(answer);
+    this.natural = answer.clouds === "none" ? (this.seen.natural ?? 0) : 0;
     this.naturalCdM2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
-    const [red, green, blue] = radiance;
-    if (red?.length !== this.elevationCount || green?.length !== this.elevationCount || blue?.length !== this.elevationCount) {
-      throw new Error(words().problems.panoramaRows(red?.length ?? 0, this.elevationCount));
+    const { zenith_radiance_w_m2_sr, zenith_luminance_cd_m2, zenith_chromaticity } = answer.sky;
+    this.tint =
+      zenith_chromaticity == null ? NO_TINT : tintOf(zenith_radiance_w_m2_sr, zenith_luminance_cd_m2, zenith_chromaticity);
+    const [red = [], green = [], blue = []] = radiance;
+    for (const { length } of [values, red, green, blue]) {
+      if (length !== this.elevationCount) throw new Error(words().problems.panoramaRows(length, this.elevationCount));
     }
-    this.artificialCdM2 = new Float64Array(this.azimuthCount * this.elevationCount);
+    this.artificial = new Float64Array(this.azimuthCount * this.elevationCount);
+    for (const [i, row] of values.entries()) this.artificial.set(row.slice(0, this.azimuthCount), i * this.azimuthCount);
     const band = (rows: readonly (readonly number[])[]) => {
       const values = new Float32Array(this.azimuthCount * this.elevationCount);
       for (const [i, row] of rows.entries()) values.set(row.slice(0, this.azimuthCount), i * this.azimuthCount);
       return values;
     };
     this.artificialWM2Sr = [band(red), band(green), band(blue)];
-    for (let row = 0; row < this.elevationCount; row++) {
-      for (let column = 0; column < this.azimuthCount; column++) {
-        this.artificialCdM2[row * this.azimuthCount + column] = luminanceCdM2(
-          red[row]?.[column] ?? 0,
-          green[row]?.[column] ?? 0,
-          blue[row]?.[column] ?? 0,
-        );
-      }
-    }
   }
 
   /** Whether terrain hides a sample of the grid. */
@@ -91,8 +95,8 @@ export class SkyGrid {
   /** The direction of the brightest sample. */
   brightest(): SkySample {
     let brightest = 0;
-    this.artificialCdM2.forEach((value, i) => {
-      if (value > (this.artificialCdM2[brightest] ?? 0)) brightest = i;
+    this.artificial.forEach((value, i) => {
+      if (value > (this.artificial[brightest] ?? 0)) brightest = i;
     });
     const column = brightest % this.azimuthCount;
     const row = (brightest - column) / this.azimuthCount;
@@ -105,33 +109,30 @@ export class SkyGrid {
     const column = ((turn % this.azimuthCount) + this.azimuthCount) % this.azimuthCount;
     const step = Math.round((elevationDeg - this.elevationFirstDeg) / this.elevationStepDeg);
     const row = Math.min(Math.max(step, 0), this.elevationCount - 1);
-    const artificialCdM2 = this.artificialCdM2[row * this.azimuthCount + column] ?? 0;
+    const artificial = this.artificial[row * this.azimuthCount + column] ?? 0;
     const isBelowHorizon = this.isHidden(row, column);
     return {
       azimuthDeg: this.azimuthFirstDeg + column * this.azimuthStepDeg,
       elevationDeg: this.elevationFirstDeg + row * this.elevationStepDeg,
-      artificialCdM2,
-      totalCdM2: isBelowHorizon ? 0 : artificialCdM2 + this.naturalCdM2,
+      artificial,
+      total: isBelowHorizon ? 0 : artificial + this.natural,
       isBelowHorizon,
     };
   }
 
   /**
-   * log10 luminance for drawing, [row][column]; darkness counts as `floorCdM2`. Hidden samples take the lowest visible
+   * log10 of the values for drawing, [row][column]; darkness counts as `floor`. Hidden samples take the lowest visible
    * one of their column, so that no darkness of the ground runs into the sky above it.
    */
-  logLuminance(kind: SkyKind, floorCdM2: number): Float32Array {
-    const added = kind === "total" ? this.naturalCdM2 : 0;
-    return this.fillHidden(Float32Array.from(this.artificialCdM2, (value) => Math.log10(Math.max(value + added, floorCdM2))));
+  logValues(kind: SkyKind, floor: number): Float32Array {
+    const added = kind === "total" ? this.natural : 0;
+    return this.fillHidden(Float32Array.from(this.artificial, (value) => Math.log10(Math.max(value + added, floor))));
   }
 
-  /** Radiance in R, G, B for drawing, [row][column], W m⁻² sr⁻¹; of hidden samples as above. The natural sky is white. */
-  radianceWM2Sr(kind: SkyKind): readonly [Float32Array, Float32Array, Float32Array] {
-    const whiteLmW = LUMINOUS_EFFICACY_LM_W.reduce((sum, efficacy) => sum + efficacy, 0);
-    const added = kind === "total" ? this.naturalCdM2 / whiteLmW : 0;
+  /** Radiance of artificial light in R, G, B for drawing, [row][column], W m⁻² sr⁻¹; of hidden samples as above. */
+  radianceWM2Sr(): readonly [Float32Array, Float32Array, Float32Array] {
     const [red, green, blue] = this.artificialWM2Sr;
-    const shown = (band: Float32Array) => this.fillHidden(band.map((value) => value + added));
-    return [shown(red), shown(green), shown(blue)];
+    return [this.fillHidden(red.slice()), this.fillHidden(green.slice()), this.fillHidden(blue.slice())];
   }
 
   private fillHidden(values: Float32Array): Float32Array {

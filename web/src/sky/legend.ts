@@ -1,16 +1,18 @@
 // The legend of the picture: its colours or greys, and round numbers of the chosen unit along them.
 
 import { words } from "../language/words.ts";
-import { brightnessMagArcsec2, luminanceFromBrightnessCdM2, NATURAL_SKY_MAG_ARCSEC2 } from "../photometry.ts";
+import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
+import { type AppState, seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import type { ViewState } from "../state/view-state.ts";
+import { RESPONSES } from "../state/view-state.ts";
 import { byId, make } from "../ui/dom.ts";
 import { decimal, inUnit } from "../ui/format.ts";
 import { colourGradient } from "./colour-maps.ts";
-import { luminanceOf } from "./grid.ts";
+import { valueFor } from "./grid.ts";
 import { ToneMap } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
-import { type BrightnessUnit, type Tick, ticks } from "./units.ts";
+import type { Seen } from "./seen.ts";
+import { type BrightnessUnit, type Tick, ticks, unitBeside, unitFor } from "./units.ts";
 
 /** Steps of the gradient of greys. */
 const GREYS = 40;
@@ -44,41 +46,53 @@ export class Legend {
   constructor(store: AppStore) {
     this.bar.append(this.pointer);
     this.container.append(this.bar, this.ticks);
-    store.watch(["colours", "exposureEv", "unit"], (state) => this.show(state));
-    store.watch(["pointed", "sky"], ({ pointed, sky }) => {
-      const luminanceCdM2 = pointed === null || pointed.isBelowHorizon ? null : luminanceOf(pointed, sky);
-      this.point(luminanceCdM2 === null ? null : brightnessMagArcsec2(luminanceCdM2));
+    store.watch(["colours", "exposureEv", "unit", seenOf], (state) => this.show(state));
+    store.watch(["pointed", "sky"], (state) => {
+      const { pointed, sky } = state;
+      const value = pointed === null || pointed.isBelowHorizon ? 0 : valueFor(pointed, sky);
+      this.pointer.hidden = value === 0;
+      if (value > 0) this.pointer.style.left = `${100 * scalePosition(seenOf(state).unit, value)}%`;
     });
   }
 
-  private show({ colours, exposureEv, unit }: ViewState): void {
-    const { sky } = words();
+  private show(state: Readonly<AppState>): void {
+    const { colours, exposureEv } = state;
+    const seen = seenOf(state);
+    const unit = unitFor(state.unit, seen);
     this.container.dataset.unit = unit;
-    this.title.textContent = { magnitude: sky.legend, luminance: sky.legendLuminance, ratio: sky.legendRatio }[unit];
+    this.title.textContent = legendTitle(unit, seen);
     this.bar.style.background = colours === "realistic" ? greyGradient(exposureEv) : colourGradient(colours);
-    this.ticks.replaceChildren(...ticks(unit).map((mark) => tickElement(mark, unit)));
-  }
-
-  /** Marks a brightness on the bar; null takes the mark away. */
-  private point(brightnessMagArcsec2: number | null): void {
-    this.pointer.hidden = brightnessMagArcsec2 === null;
-    if (brightnessMagArcsec2 !== null) {
-      this.pointer.style.left = `${100 * scalePosition(SCALE, brightnessMagArcsec2)}%`;
-    }
+    this.ticks.replaceChildren(...ticks(unit, seen).map((mark) => tickElement(mark, unit, seen)));
   }
 }
 
-function tickElement({ luminanceCdM2, isMinor }: Tick, unit: BrightnessUnit): HTMLElement {
-  const mag = brightnessMagArcsec2(luminanceCdM2) ?? SCALE.faintestMagArcsec2;
-  const isNatural = Math.abs(mag - NATURAL_SKY_MAG_ARCSEC2) < 1e-6;
-  const [value, name] = inUnit(luminanceCdM2, unit);
+/** What the marks say, and what sees the sky where that is not the eye. */
+function legendTitle(unit: BrightnessUnit, seen: Seen): string {
+  const { sky, responses } = words();
+  const beside = unitBeside(unit, seen);
+  const luminance =
+    beside === null
+      ? sky.legendValue(seen.unit)
+      : beside === "magnitude"
+        ? sky.legendLuminance
+        : sky.legendBesideNatural(seen.unit);
+  const ratio = beside === "magnitude" ? sky.legendRatio : sky.legendBeside(seen.unit);
+  const title = { magnitude: sky.legend, luminance, ratio }[unit];
+  const response = RESPONSES.find((name) => name === seen.response);
+  return response === undefined || response === "photopic" ? title : `${responses[response]} · ${title}`;
+}
+
+function tickElement({ value: shown, isMinor }: Tick, unit: BrightnessUnit, seen: Seen): HTMLElement {
+  const isNatural = seen.natural !== null && Math.abs(shown / seen.natural - 1) < 1e-6;
+  const [value, name] = inUnit(shown, unit, seen);
   // The title says the unit; of luminances the prefix belongs to the number. The second line says the other quantity.
-  const [other, otherUnit] = inUnit(luminanceCdM2, unit === "magnitude" ? "luminance" : "magnitude");
-  const first = unit === "luminance" ? `${round(value)} ${name.replace("cd/m²", "")}` : round(value.replace(" ×", ""));
+  const beside = unitBeside(unit, seen);
+  const [other, otherUnit] = beside === null ? ["", ""] : inUnit(shown, beside, seen);
+  const first = unit === "luminance" ? `${round(value)} ${name.replace(seen.unit, "")}` : round(value.replace(" ×", ""));
   const second = unit === "magnitude" ? `${other} ${otherUnit}` : other;
   const kinds = ["legend-tick", ...(isNatural ? ["natural"] : []), ...(isMinor ? ["minor"] : [])];
   const mark = make("span", kinds.join(" "), make("b", "", first), make("small", "", second));
-  mark.style.left = `${100 * scalePosition(SCALE, mag)}%`;
+  mark.style.left = `${100 * scalePosition(seen.unit, shown)}%`;
   if (isNatural) mark.title = words().sky.natural;
   return mark;
 }

@@ -4,10 +4,11 @@ import { type ColourMapName, colourTable, type PictureStyle } from "./colour-map
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import type { Projection } from "./projection.ts";
 import { ToneMap } from "./realistic.ts";
-import { logLuminanceRange, SCALE } from "./scale.ts";
+import { logRange } from "./scale.ts";
 
 const TABLE_SIZE = 1024;
-const DARKEST_CD_M2 = 1e-9;
+/** Below every unit's scale. */
+const DARKEST = 1e-9;
 /** Ground that hides the sky: brown-grey, as in the server's pictures. */
 export const GROUND_RGB = [58, 54, 49] as const;
 
@@ -54,11 +55,11 @@ function interpolated(values: Float32Array, { low, high, here, next, right, abov
 }
 
 function falseColour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer {
-  const [faintest, brightest] = logLuminanceRange(SCALE);
-  const logLuminance = grid.logLuminance(sky, DARKEST_CD_M2);
+  const [faintest, brightest] = logRange(grid.seen.unit);
+  const logValues = grid.logValues(sky, DARKEST);
   const values = padded(
     grid,
-    logLuminance.map((log) => (log - faintest) / (brightest - faintest)),
+    logValues.map((log) => (log - faintest) / (brightest - faintest)),
   );
   const table = colourTable(map, TABLE_SIZE);
   return (stencil, bytes, at) => {
@@ -70,11 +71,19 @@ function falseColour(grid: SkyGrid, sky: SkyKind, map: ColourMapName): Colourer 
 }
 
 function realistic(grid: SkyGrid, sky: SkyKind, exposureEv: number): Colourer {
-  const [red, green, blue] = grid.radianceWM2Sr(sky);
+  const [red, green, blue] = grid.radianceWM2Sr();
+  const naturalCdM2 = sky === "total" ? grid.naturalCdM2 : 0;
   const bands = [padded(grid, red), padded(grid, green), padded(grid, blue)] as const;
-  const toneMap = new ToneMap(exposureEv);
+  const toneMap = new ToneMap(exposureEv, grid.tint);
   return (stencil, bytes, at) =>
-    toneMap.write(bytes, at, interpolated(bands[0], stencil), interpolated(bands[1], stencil), interpolated(bands[2], stencil));
+    toneMap.write(
+      bytes,
+      at,
+      interpolated(bands[0], stencil),
+      interpolated(bands[1], stencil),
+      interpolated(bands[2], stencil),
+      naturalCdM2,
+    );
 }
 
 /** Paints the sky into a picture of `pixelsPerCssPx` device pixels a CSS pixel. Outside the sky stays transparent. */

@@ -32,8 +32,8 @@ function colourMatchingXyz(wavelengthNm: number): Three {
   ];
 }
 
-/** Linear sRGB [cd m⁻²] of 1 W m⁻² sr⁻¹ in a band whose light is weighted as lamps shine. */
-function srgbOfBand(band: 0 | 1 | 2): Three {
+/** X, Y, Z [cd m⁻²] of 1 W m⁻² sr⁻¹ in a band whose light is weighted as lamps shine. */
+function xyzOfBand(band: 0 | 1 | 2): Three {
   const startNm = BAND_START_NM[band];
   const xyz: Three = [0, 0, 0];
   for (let step = 0; step < BAND_STEPS; step++) {
@@ -44,33 +44,60 @@ function srgbOfBand(band: 0 | 1 | 2): Three {
     });
   }
   const scale = LUMINOUS_EFFICACY_LM_W[band] / xyz[1];
-  return SRGB_FROM_XYZ.map((row) => scale * (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])) as Three;
+  return [scale * xyz[0], scale * xyz[1], scale * xyz[2]];
+}
+
+function srgbFromXyz([x, y, z]: Three): Three {
+  return SRGB_FROM_XYZ.map((row) => row[0] * x + row[1] * y + row[2] * z) as Three;
 }
 
 function encodeSrgb(linear: number): number {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
 }
 
-const BANDS = [srgbOfBand(0), srgbOfBand(1), srgbOfBand(2)] as const;
+const BANDS = [xyzOfBand(0), xyzOfBand(1), xyzOfBand(2)] as const;
+/** Linear sRGB of the natural sky's light, which has as much at every wavelength, per cd m⁻². */
+const NATURAL = srgbFromXyz([1, 1, 1]);
 const ENCODED = Uint8ClampedArray.from({ length: ENCODED_STEPS + 1 }, (_, i) => 255 * encodeSrgb(i / ENCODED_STEPS));
+
+/** What the zenith's light says of the lamps within each band: factors on X, Y and Z of the bands' light. */
+export type Tint = readonly [x: number, y: number, z: number];
+export const NO_TINT: Tint = [1, 1, 1];
+
+/** The tint that gives the zenith's radiance in R, G, B [W m⁻² sr⁻¹] its luminance [cd m⁻²] and chromaticity x, y. */
+export function tintOf(radiance: readonly number[], luminanceCdM2: number, chromaticity: readonly number[]): Tint {
+  const [x = 0, y = 0] = chromaticity;
+  const wanted = [x / y, 1, (1 - x - y) / y] as const;
+  const factor = (i: 0 | 1 | 2) => {
+    const ofBands = BANDS.reduce((sum, band, at) => sum + band[i] * (radiance[at] ?? 0), 0);
+    return (wanted[i] * luminanceCdM2) / ofBands;
+  };
+  const tint: Tint = [factor(0), factor(1), factor(2)];
+  return tint.every((part) => Number.isFinite(part) && part > 0) ? tint : NO_TINT;
+}
 
 /** Tone mapping at one exposure. */
 export class ToneMap {
   private readonly referenceLuminanceCdM2: number;
+  private readonly bands: readonly [Three, Three, Three];
 
-  constructor(exposureEv: number) {
+  constructor(exposureEv: number, tint: Tint = NO_TINT) {
+    const tinted = (band: 0 | 1 | 2) => srgbFromXyz([tint[0] * BANDS[band][0], tint[1] * BANDS[band][1], tint[2] * BANDS[band][2]]);
+    this.bands = [tinted(0), tinted(1), tinted(2)];
     // 1 − exp(−x) is 0.18 at x = 0.198.
     this.referenceLuminanceCdM2 = MIDDLE_GREY_LUMINANCE_CD_M2 / -Math.log(1 - 0.18) / 2 ** exposureEv;
   }
 
   /**
-   * Writes the sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹] to `bytes[at..at + 3]`.
+   * Writes the sRGB bytes of a radiance in R, G, B [W m⁻² sr⁻¹] and of the natural sky before it to `bytes[at..at + 3]`.
    *
    * Colours outside sRGB move towards grey of their own luminance until they fit. The film curve 1 − exp(−x) is that of the
    * brightest channel; the others keep their ratio to it and come up to it nears white.
    */
-  write(bytes: Uint8ClampedArray, at: number, red: number, green: number, blue: number): void {
-    const channel = (i: 0 | 1 | 2) => (BANDS[0][i] * red + BANDS[1][i] * green + BANDS[2][i] * blue) / this.referenceLuminanceCdM2;
+  write(bytes: Uint8ClampedArray, at: number, red: number, green: number, blue: number, naturalCdM2 = 0): void {
+    const [ofRed, ofGreen, ofBlue] = this.bands;
+    const channel = (i: 0 | 1 | 2) =>
+      (ofRed[i] * red + ofGreen[i] * green + ofBlue[i] * blue + NATURAL[i] * naturalCdM2) / this.referenceLuminanceCdM2;
     const linear: Three = [channel(0), channel(1), channel(2)];
     const grey = LUMINANCE_WEIGHTS[0] * linear[0] + LUMINANCE_WEIGHTS[1] * linear[1] + LUMINANCE_WEIGHTS[2] * linear[2];
     const lowest = Math.min(...linear);

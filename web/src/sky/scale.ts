@@ -11,16 +11,23 @@ export interface BrightnessScale {
 /** The server's default for `scale=magnitude`: from a sixteenth of the natural sky to the horizon over a city. */
 export const SCALE: Readonly<BrightnessScale> = { faintestMagArcsec2: 25, brightestMagArcsec2: 15 };
 
-/** Position on the scale, 0 (faintest) to 1 (brightest), clamped. */
-export function scalePosition(scale: BrightnessScale, brightnessMagArcsec2: number): number {
-  const span = scale.faintestMagArcsec2 - scale.brightestMagArcsec2;
-  return Math.min(Math.max((scale.faintestMagArcsec2 - brightnessMagArcsec2) / span, 0), 1);
+/** Ends of the scale of values in what a satellite's radiance is told in, nW cm⁻² sr⁻¹: the server's default too. */
+const RADIANCE_ENDS = [1e-3, 10] as const;
+
+/** Ends of the scale of values in this unit, faintest and brightest, in the unit. */
+export function scaleEndsIn(unit: string): readonly [number, number] {
+  if (unit === "nW/cm²/sr") return RADIANCE_ENDS;
+  return [luminanceFromBrightnessCdM2(SCALE.faintestMagArcsec2), luminanceFromBrightnessCdM2(SCALE.brightestMagArcsec2)];
 }
 
-/** Ends of the scale as log10 luminance [cd m⁻²]: faintest, brightest. */
-export function logLuminanceRange(scale: BrightnessScale): [number, number] {
-  return [
-    Math.log10(luminanceFromBrightnessCdM2(scale.faintestMagArcsec2)),
-    Math.log10(luminanceFromBrightnessCdM2(scale.brightestMagArcsec2)),
-  ];
+/** The same as log10. */
+export function logRange(unit: string): [number, number] {
+  const [faintest, brightest] = scaleEndsIn(unit);
+  return [Math.log10(faintest), Math.log10(brightest)];
+}
+
+/** Position of a value on the scale of its unit, 0 (faintest) to 1 (brightest), clamped. */
+export function scalePosition(unit: string, value: number): number {
+  const [faintest, brightest] = logRange(unit);
+  return Math.min(Math.max((Math.log10(value) - faintest) / (brightest - faintest), 0), 1);
 }

@@ -6,9 +6,10 @@ import { COLOUR_MAPS, colourTable } from "./colour-maps.ts";
 import { SkyGrid } from "./grid.ts";
 import { GROUND_RGB, type PictureLook, paintSky } from "./paint.ts";
 import { compassName, equirectangular, fisheye, perspective } from "./projection.ts";
-import { ToneMap } from "./realistic.ts";
-import { SCALE, scalePosition } from "./scale.ts";
-import { ticks, UNITS } from "./units.ts";
+import { NO_TINT, ToneMap, tintOf } from "./realistic.ts";
+import { scalePosition } from "./scale.ts";
+import { seenFrom } from "./seen.ts";
+import { ticks, UNITS, unitBeside, unitFor } from "./units.ts";
 
 const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;
@@ -29,7 +30,10 @@ function answerWithLightAt(row: number, column: number): PanoramaAnswer {
       elevation_step_deg: STEP_DEG,
     },
     clouds: "none",
+    response: { name: "photopic", unit: "cd m-2" },
+    sky: {},
     radiance: [band(0), green, band(0)],
+    values: green.map((row) => row.map((radiance) => 567 * radiance)),
   } as PanoramaAnswer;
 }
 
@@ -40,18 +44,18 @@ test("the nearest sample is the API's own value", () => {
     const sample = grid.nearest(azimuthDeg, 0);
     assert.equal(sample.azimuthDeg, 0);
     assert.equal(sample.elevationDeg, STEP_DEG / 2);
-    assert.ok(Math.abs(sample.artificialCdM2 - 567e-5) < 1e-15);
-    assert.ok(Math.abs(sample.totalCdM2 - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
+    assert.ok(Math.abs(sample.artificial - 567e-5) < 1e-15);
+    assert.ok(Math.abs(sample.total - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
   }
-  assert.ok(grid.nearest(1.5, 0).artificialCdM2 < 1e-6);
+  assert.ok(grid.nearest(1.5, 0).artificial < 1e-6);
 });
 
 /** Nothing of the natural sky is added under clouds. */
 test("no natural sky is added under clouds", () => {
   const grid = new SkyGrid({ ...answerWithLightAt(0, 0), clouds: "1500" });
   const sample = grid.nearest(0, 0);
-  assert.equal(sample.totalCdM2, sample.artificialCdM2);
-  assert.deepEqual(grid.logLuminance("total", 1e-9), grid.logLuminance("artificial", 1e-9));
+  assert.equal(sample.total, sample.artificial);
+  assert.deepEqual(grid.logValues("total", 1e-9), grid.logValues("artificial", 1e-9));
 });
 
 test("a panorama with missing rows is refused", () => {
@@ -110,11 +114,16 @@ test("a light is painted where its direction lies", () => {
 
 /** The scale runs from 25 to 15 magnitudes and is clamped. */
 test("the scale runs from 25 to 15 magnitudes", () => {
-  assert.equal(scalePosition(SCALE, 25), 0);
-  assert.equal(scalePosition(SCALE, 20), 0.5);
-  assert.equal(scalePosition(SCALE, 15), 1);
-  assert.equal(scalePosition(SCALE, 30), 0);
-  assert.ok(luminanceFromBrightnessCdM2(15) > luminanceFromBrightnessCdM2(25));
+  const position = (mag: number) => scalePosition("cd/m²", luminanceFromBrightnessCdM2(mag));
+  for (const [mag, at] of [
+    [25, 0],
+    [20, 0.5],
+    [15, 1],
+    [30, 0],
+  ] as const)
+    assert.ok(Math.abs(position(mag) - at) < 1e-12, `${mag}`);
+  assert.equal(scalePosition("nW/cm²/sr", 1e-3), 0);
+  assert.equal(scalePosition("nW/cm²/sr", 10), 1);
 });
 
 /** Every colour map gets lighter all the way, so that its order is seen without colour. */
@@ -135,7 +144,7 @@ test("compass names wrap around", () => {
 function answerWithHill(): PanoramaAnswer {
   const answer = answerWithLightAt(40, 200);
   const horizonDeg = Array.from({ length: 256 }, (_, column) => Math.max(20 - Math.abs(column - 64), 0));
-  for (const band of answer.radiance) {
+  for (const band of [...answer.radiance, answer.values]) {
     for (const [row, values] of band.entries()) {
       for (const column of values.keys()) if ((row + 0.5) * STEP_DEG < horizonDeg[column]!) values[column] = 0;
     }
@@ -148,7 +157,7 @@ test("below the horizon there is no light", () => {
   const grid = new SkyGrid(answerWithHill());
   const hidden = grid.nearest(90, 10);
   assert.equal(hidden.isBelowHorizon, true);
-  assert.deepEqual([hidden.artificialCdM2, hidden.totalCdM2], [0, 0]);
+  assert.deepEqual([hidden.artificial, hidden.total], [0, 0]);
   assert.equal(grid.nearest(90, 30).isBelowHorizon, false);
   assert.equal(grid.nearest(270, 0).isBelowHorizon, false);
   assert.equal(new SkyGrid(answerWithLightAt(0, 0)).nearest(90, 0).isBelowHorizon, false);
@@ -232,17 +241,67 @@ test("a millicandela is middle grey, sodium orange", () => {
   assert.deepEqual(half, [red, green, blue], "a stop more is half the light");
 });
 
+/** The zenith's colour is that of its answer; the natural sky keeps its own. */
+test("the zenith has the colour of its answer", () => {
+  const bytes = new Uint8ClampedArray(3);
+  const radiance = [2.7e-6, 5.8e-6, 1.3e-6] as const;
+  assert.deepEqual(tintOf([0, 0, 0], 0, [0.4, 0.4]), NO_TINT);
+  // White of sRGB is grey, whatever the bands.
+  const tint = tintOf(radiance, 1e-3, [0.3127, 0.329]);
+  new ToneMap(0, tint).write(bytes, 0, ...radiance);
+  assert.ok(
+    [...bytes].every((byte) => Math.abs(byte - 118) <= 1),
+    `${bytes}`,
+  );
+  const shown = (map: ToneMap) => {
+    map.write(bytes, 0, 0, 0, 0, 1e-3);
+    return [...bytes];
+  };
+  assert.deepEqual(shown(new ToneMap(0, tint)), shown(new ToneMap(0)));
+});
+
 /** The scale's marks are round in every unit, ascend, and lie on the scale. */
 test("the scale's ticks are round in every unit", () => {
   for (const unit of UNITS) {
-    const luminances = ticks(unit).map(({ luminanceCdM2 }) => luminanceCdM2);
+    const luminances = ticks(unit).map(({ value }) => value);
     assert.ok(luminances.length >= 10 && luminances.length <= 14, `${unit} ${luminances.length}`);
     assert.ok(luminances.every((mark, i) => i === 0 || mark > (luminances[i - 1] ?? 0)));
-    const positions = luminances.map((mark) => scalePosition(SCALE, -2.5 * Math.log10(mark / 1.08e5)));
+    const positions = luminances.map((mark) => scalePosition("cd/m²", mark));
     assert.ok(
       positions.every((at, i) => at >= 0 && at <= 1 && (i === 0 || at > (positions[i - 1] ?? 0))),
       `${unit} ${positions}`,
     );
   }
-  assert.ok(ticks("ratio").some(({ luminanceCdM2 }) => Math.abs(luminanceCdM2 / NATURAL_SKY_CD_M2 - 1) < 1e-9));
+  assert.ok(ticks("ratio").some(({ value }) => Math.abs(value / NATURAL_SKY_CD_M2 - 1) < 1e-9));
+});
+
+/** A response has its own natural sky, and its units are those that it has. */
+test("a response has its own natural sky and units", () => {
+  const zenith = (response: string, unit: string, total: number) => ({ response, unit, value: 1, total });
+  const sky = {
+    zenith_by_response: [zenith("scotopic", "cd m-2", 1.25), zenith("sqm", "cd m-2", 1.5), zenith("dnb", "nW cm-2 sr-1", 1)],
+  } as PanoramaAnswer["sky"];
+  const seen = (name: string, unit: string) => seenFrom({ response: { name, unit }, sky });
+  const dark = seen("scotopic", "cd m-2");
+  assert.deepEqual(dark, { response: "scotopic", unit: "cd/m²", natural: 0.25, hasMagnitude: false });
+  assert.deepEqual(
+    UNITS.map((unit) => [unitFor(unit, dark), unitBeside(unitFor(unit, dark), dark)]),
+    [
+      ["luminance", "ratio"],
+      ["luminance", "ratio"],
+      ["ratio", "luminance"],
+    ],
+  );
+  assert.ok(ticks("ratio", dark).every(({ value }) => Number.isFinite(value)));
+  const meter = seen("sqm", "cd m-2");
+  assert.deepEqual([unitFor("magnitude", meter), unitBeside("ratio", meter)], ["magnitude", "magnitude"]);
+  // Through clouds nothing of the natural sky is seen.
+  const satellite = seen("dnb", "nW cm-2 sr-1");
+  assert.deepEqual(
+    [satellite.unit, unitFor("ratio", satellite), unitBeside("luminance", satellite)],
+    ["nW/cm²/sr", "luminance", null],
+  );
+  assert.ok(ticks("luminance", satellite).length > 8);
+  const grid = new SkyGrid({ ...answerWithLightAt(0, 0), response: { name: "scotopic", unit: "cd m-2" }, sky });
+  assert.ok(Math.abs(grid.nearest(0, 0).total - 567e-5 - 0.25) < 1e-12);
 });

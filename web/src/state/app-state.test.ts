@@ -7,6 +7,7 @@ import {
   initialState,
   isCompared,
   packsOf,
+  pictureConditions,
   sceneOf,
   todaysConditions,
 } from "./app-state.ts";
@@ -25,6 +26,15 @@ test("conditions name what differs from the defaults", () => {
   assert.deepEqual(conditionsOf(state), { ...today, scenario: PLAN });
   assert.deepEqual(conditionsOf({ ...state, lights: "today" }), today);
   assert.deepEqual(todaysConditions(state), today);
+});
+
+/** What sees the sky is named where it is not the eye, but never of a picture in an eye's colours. */
+test("a realistic picture is of no other response", () => {
+  const state = { ...DEFAULT, response: "scotopic" } as const;
+  assert.equal(conditionsOf(state).response, "scotopic");
+  assert.equal(pictureConditions(state).response, "scotopic");
+  assert.ok(!("response" in pictureConditions({ ...state, colours: "realistic" })));
+  assert.equal(conditionsOf({ ...state, colours: "realistic" }).response, "scotopic");
 });
 
 test("two skies are compared only with a scenario", () => {

@@ -1,15 +1,21 @@
 // The whole state: what a link holds, and the answers of the server.
 
 import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
-import type { Atmosphere, NamedPlace, Plan, Scenario, Scene, Site, SkyAnswer } from "../api/types.ts";
+import type { Atmosphere, NamedPlace, Plan, Scenario, Scene, Site, SkyAnswer, SkyQuantities } from "../api/types.ts";
 import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
 import type { LayerState } from "../map/raster-layers.ts";
 import type { SkyGrid, SkySample } from "../sky/grid.ts";
 import { textFromRegion } from "../sky/region.ts";
+import { PHOTOPIC, type Seen } from "../sky/seen.ts";
 import { packsUnder } from "../ui/clouds.ts";
 import type { LayerName, Place, ViewState } from "./view-state.ts";
+
+export interface Comparison {
+  before: SkyQuantities;
+  after: SkyQuantities;
+}
 
 export interface AppState extends ViewState {
   scenes: readonly Scene[];
@@ -24,6 +30,8 @@ export interface AppState extends ViewState {
   isBusy: boolean;
   site: Site | null;
   answer: SkyAnswer | null;
+  /** What painted lights change: the numbers of the sky without and with them. */
+  comparison: Comparison | null;
   panorama: SkyGrid | null;
   /** The panorama of today's lights, where it is shown beside that of others. */
   panoramaToday: SkyGrid | null;
@@ -55,6 +63,7 @@ export function initialState(view: ViewState): AppState {
     isBusy: false,
     site: null,
     answer: null,
+    comparison: null,
     panorama: null,
     panoramaToday: null,
     skyAspect: 1,
@@ -91,6 +100,11 @@ export function scenarioOf({ change }: State): Scenario | null {
   return change?.kind === "scenario" ? change.scenario : null;
 }
 
+/** What sees the picture of the sky. */
+export function seenOf({ panorama }: State): Seen {
+  return panorama?.seen ?? PHOTOPIC;
+}
+
 /** Whether the lights of today are shown beside the changed ones. */
 export function isCompared({ scenario, lights }: State): boolean {
   return scenario !== null && lights === "both";
@@ -109,11 +123,12 @@ export const CONDITIONS = [
   "terrain",
   "scenario",
   "lights",
+  "response",
 ] as const;
 
 export function conditionsOf(state: State): Conditions {
   const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = state;
-  const { directUplight, groundReflectance, emissionKeep } = state;
+  const { directUplight, groundReflectance, emissionKeep, response } = state;
   return {
     lamp,
     emission,
@@ -125,7 +140,14 @@ export function conditionsOf(state: State): Conditions {
     ...(scattering === null ? {} : { scattering }),
     ...(clouds === null ? {} : { clouds: String(clouds) }),
     ...(scenario === null || lights === "today" ? {} : { scenario }),
+    ...(response === "photopic" ? {} : { response }),
   };
+}
+
+/** Those of the sky's picture: one in the colours that an eye sees is of no other response. */
+export function pictureConditions(state: State): Conditions {
+  const { response: _, ...ofTheEye } = conditionsOf(state);
+  return state.colours === "realistic" ? ofTheEye : conditionsOf(state);
 }
 
 export function todaysConditions(state: State): Omit<Conditions, "scenario"> {

@@ -13,12 +13,13 @@ const EVERYTHING: ViewState = {
   turbidity: 3.2,
   scattering: "single",
   clouds: 1500,
-  lamp: "led_4000k",
+  lamp: "hps:0.7,led_4000k:0.3",
   emission: "garstang_1986",
   directUplight: 0.05,
   groundReflectance: 0.6,
   emissionKeep: "nadir_radiance",
   terrain: "off",
+  response: "scotopic",
   projection: "perspective",
   gaze: { azimuthDeg: 210.5, elevationDeg: 20, fieldDeg: 55 },
   sky: "total",
@@ -61,7 +62,7 @@ test("former names of emissions are read", () => {
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(
-    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
+    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });

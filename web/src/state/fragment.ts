@@ -4,7 +4,7 @@ import { STYLES } from "../sky/colour-maps.ts";
 import { type Gaze, PROJECTIONS } from "../sky/projection.ts";
 import { regionFromText, textFromRegion } from "../sky/region.ts";
 import { UNITS } from "../sky/units.ts";
-import { DEFAULT_STATE, EMISSION_KEEPS, LAYERS, LIGHTS, MEASURES, SCATTERINGS, type ViewState } from "./view-state.ts";
+import { DEFAULT_STATE, EMISSION_KEEPS, LAYERS, LIGHTS, MEASURES, RESPONSES, SCATTERINGS, type ViewState } from "./view-state.ts";
 
 function numberIn(text: string | null, min: number, max: number): number | null {
   if (text === null || text.trim() === "") return null;
@@ -69,12 +69,13 @@ export function stateFromFragment(fragment: string): ViewState {
     turbidity: numberIn(query.get("turbidity"), 1, 100),
     scattering: SCATTERINGS.find((name) => name === query.get("scattering")) ?? null,
     clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
-    lamp: matching(query.get("lamp"), /^[a-z0-9_.,]{1,64}$/) ?? DEFAULT_STATE.lamp,
+    lamp: matching(query.get("lamp"), /^[a-z0-9_.,:]{1,4096}$/) ?? DEFAULT_STATE.lamp,
     emission: emissionFromText(query.get("emission")),
     directUplight: numberIn(query.get("uplight"), 0, 1),
     groundReflectance: numberIn(query.get("ground"), 0, 1),
     emissionKeep: oneOf(query.get("keep"), EMISSION_KEEPS, DEFAULT_STATE.emissionKeep),
     terrain: oneOf(query.get("terrain"), ["on", "off"], DEFAULT_STATE.terrain),
+    response: oneOf(query.get("response"), RESPONSES, DEFAULT_STATE.response),
     projection: oneOf(query.get("projection"), PROJECTIONS, DEFAULT_STATE.projection),
     gaze: gazeFromText(query.get("look")),
     sky: oneOf(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
@@ -114,6 +115,7 @@ export function fragmentFromState(state: ViewState): string {
   add("ground", state.groundReflectance, null);
   add("keep", state.emissionKeep, DEFAULT_STATE.emissionKeep);
   add("terrain", state.terrain, DEFAULT_STATE.terrain);
+  add("response", state.response, DEFAULT_STATE.response);
   add("projection", state.projection, DEFAULT_STATE.projection);
   add(
     "look",

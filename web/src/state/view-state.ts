@@ -26,6 +26,10 @@ export type LayerName = (typeof LAYERS)[number];
 export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type MeasureName = (typeof MEASURES)[number];
 
+/** What sees the sky, as far as the viewer offers it; the default first. */
+export const RESPONSES = ["photopic", "scotopic", "johnson_b", "johnson_v", "johnson_r", "sqm", "melanopic", "dnb"] as const;
+export type ResponseName = (typeof RESPONSES)[number];
+
 export type TerrainKind = "on" | "off";
 
 /** What of a light the satellite's radiance says; the default first. */
@@ -62,6 +66,8 @@ export interface ViewState {
   emissionKeep: EmissionKeepName;
   /** Whether terrain hides the sky below the horizon. */
   terrain: TerrainKind;
+  /** What sees the sky in false colour and the map's layers. */
+  response: ResponseName;
   projection: ProjectionName;
   /** Where the perspective looks; null: towards the brightest light. */
   gaze: Gaze | null;
@@ -94,6 +100,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   groundReflectance: null,
   emissionKeep: "flux",
   terrain: "on",
+  response: "photopic",
   projection: "equirectangular",
   gaze: null,
   sky: "artificial",

@@ -2,10 +2,19 @@
 
 import { type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { words } from "../language/words.ts";
-import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
 import { gazeOf, viewedPart } from "../sky/gaze.ts";
-import { SCALE } from "../sky/scale.ts";
-import { type AppState, CONDITIONS, conditionsOf, coordinatesOf, influenceQuery, sceneOf } from "../state/app-state.ts";
+import { scaleEndsIn } from "../sky/scale.ts";
+import { unitFor } from "../sky/units.ts";
+import {
+  type AppState,
+  CONDITIONS,
+  conditionsOf,
+  coordinatesOf,
+  influenceQuery,
+  pictureConditions,
+  sceneOf,
+  seenOf,
+} from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
 
@@ -18,7 +27,7 @@ export function mountDownloads(store: AppStore): void {
     const { place } = state;
     const scene = sceneOf(state);
     if (scene === null || place === null) return;
-    showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...conditionsOf(state) }, state);
+    showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...pictureConditions(state) }, state);
   });
   store.watch([sceneOf, "place", ...CONDITIONS, "measure", "region"], (state) => {
     const scene = sceneOf(state);
@@ -51,21 +60,21 @@ function showInfluenceDownloads(container: HTMLElement, scene: string, query: In
 
 function showDownloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: AppState): void {
   const view = state.projection === "perspective" ? viewedPart(gazeOf(state.gaze, state.panorama), state.skyAspect) : null;
-  const { projection, sky, colours, exposureEv, unit } = state;
-  const scale =
-    unit === "luminance"
-      ? ({
-          scale: "luminance",
-          min: String(luminanceFromBrightnessCdM2(SCALE.faintestMagArcsec2)),
-          max: String(luminanceFromBrightnessCdM2(SCALE.brightestMagArcsec2)),
-        } as const)
-      : ({ scale: "magnitude" } as const);
+  const { projection, sky, colours, exposureEv } = state;
+  const seen = seenOf(state);
+  const [faintest, brightest] = scaleEndsIn(seen.unit);
+  const byValue = unitFor(state.unit, seen) === "luminance" || !seen.hasMagnitude;
+  const scale = byValue
+    ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
+    : ({ scale: "magnitude" } as const);
   const style = colours === "realistic" ? ({ style: "realistic", exposure: exposureEv } as const) : { colormap: colours, ...scale };
+  // Rasters hold the radiance in bands, whatever sees it.
+  const { response: _, ...raster } = parameters;
   const picture = { ...parameters, projection, ...view, sky, ...style } as const;
   container.replaceChildren(
     link("PNG", urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), words().downloads.png),
-    link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, parameters), words().downloads.exr),
-    link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, parameters), words().downloads.tiff),
+    link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, raster), words().downloads.exr),
+    link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, raster), words().downloads.tiff),
     link("JSON", urlOf("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), words().downloads.json),
     link("API", urlOf("/api/docs", {}, {}), words().downloads.api),
   );

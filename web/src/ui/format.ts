@@ -1,7 +1,8 @@
 // Numbers as people read them.
 
 import { words } from "../language/words.ts";
-import { brightnessMagArcsec2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { brightnessMagArcsec2 } from "../photometry.ts";
+import { PHOTOPIC, type Seen } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 
 /** A number in digits, with the decimal sign of the language. */
@@ -35,7 +36,14 @@ export function withPrefix(value: number, unit: string): string {
   if (size >= 1) return `${shortNumber(value)} ${unit}`;
   if (size >= 1e-3) return `${shortNumber(value * 1e3)} m${unit}`;
   if (size >= 1e-6) return `${shortNumber(value * 1e6)} µ${unit}`;
-  return `${shortNumber(value * 1e9)} n${unit}`;
+  if (size >= 1e-9) return `${shortNumber(value * 1e9)} n${unit}`;
+  if (size >= 1e-12) return `${shortNumber(value * 1e12)} p${unit}`;
+  return `${shortNumber(value * 1e15)} f${unit}`;
+}
+
+/** A quantity in a unit that may have a prefix of its own. */
+export function quantity(value: number, unit: string): string {
+  return unit.startsWith("nW") ? withPrefix(value * 1e-9, unit.slice(1)) : withPrefix(value, unit);
 }
 
 export function magnitude(brightnessMagArcsec2: number | null): string {
@@ -49,12 +57,14 @@ export function ratio(value: number): string {
   return value >= 10 ? whole(Math.round(value)) : decimal(value.toPrecision(2));
 }
 
-/** A luminance as a number and its unit. */
-export function inUnit(luminanceCdM2: number, unit: BrightnessUnit): [value: string, unit: string] {
-  if (unit === "magnitude") return [magnitude(brightnessMagArcsec2(luminanceCdM2)), "mag/arcsec²"];
-  if (unit === "ratio") return [`${ratio(luminanceCdM2 / NATURAL_SKY_CD_M2)} ×`, words().numbers.natural];
-  const [value = "", name = ""] = withPrefix(luminanceCdM2, "cd/m²").split(" ");
-  return [value, name];
+/** A value of what sees the sky, as a number and its unit. */
+export function inUnit(value: number, unit: BrightnessUnit, seen: Seen = PHOTOPIC): [value: string, unit: string] {
+  if (unit === "magnitude") return [magnitude(brightnessMagArcsec2(value)), "mag/arcsec²"];
+  if (unit === "ratio") return [`${ratio(value / (seen.natural ?? NaN))} ×`, words().numbers.natural];
+  // Radiances of satellites are told in nW all over.
+  if (seen.unit.startsWith("nW")) return [shortNumber(value), seen.unit];
+  const [shown = "", name = ""] = withPrefix(value, seen.unit).split(" ");
+  return [shown, name];
 }
 
 /** Names of north, east, south and west. */

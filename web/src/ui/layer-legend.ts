@@ -2,13 +2,14 @@
 
 import { describeProblem } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
+import { typeset } from "../api/units.ts";
 import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster-layers.ts";
 import { luminanceFromBrightnessCdM2, NATURAL_SKY_MAG_ARCSEC2 } from "../photometry.ts";
 import { tileGradient } from "../sky/colour-maps.ts";
-import type { LayerName } from "../state/view-state.ts";
+import type { LayerName, ResponseName } from "../state/view-state.ts";
 import { byId, make } from "./dom.ts";
-import { decimal, whole, withPrefix } from "./format.ts";
+import { decimal, quantity, whole } from "./format.ts";
 
 /** The server's hypsometric tints, from the sea to 6 000 m. */
 const TINTS =
@@ -38,25 +39,23 @@ function ofNatural(luminanceCdM2: number): string {
   return share < 0.1 ? `${about(100 * share)} %` : `${about(share)} ×`;
 }
 
-const POWERS: Record<string, string> = { "-1": "", "-2": "²", "-3": "³" };
-
-/** "nW cm-2 sr-1" as "nW/cm²/sr". */
-export function typeset(unit: string): string {
-  return unit.replace(/ ?\b([A-Za-zµ]+)(-[123])\b/g, (_, name: string, power: string) => `/${name}${POWERS[power] ?? ""}`);
-}
-
 /** What stands at the dark and the bright end of a layer's colours. */
-export function scaleEnds(name: LayerName, { range, unit }: Pick<TileJson, "range" | "unit">): [string, string] {
+export function scaleEnds(
+  name: LayerName,
+  { range, unit }: Pick<TileJson, "range" | "unit">,
+  response: ResponseName,
+): [string, string] {
   if (range == null) return [words().layers.seaLevel, words().layers.highest];
   const [dark = 0, bright = 0] = range;
-  if (name === "brightness") return [ofNatural(dark), words().layers.ofNatural(ofNatural(bright))];
+  if (name === "brightness" && response === "photopic") return [ofNatural(dark), words().layers.ofNatural(ofNatural(bright))];
+  if (name === "brightness") return [quantity(dark, typeset(unit)), quantity(bright, typeset(unit))];
   if (name === "influence")
-    return [`1/${whole(Math.round(bright / dark))}`, words().layers.aPixel(withPrefix(bright, typeset(unit)))];
+    return [`1/${whole(Math.round(bright / dark))}`, words().layers.aPixel(quantity(bright, typeset(unit)))];
   return [about(dark), `${about(bright)} ${typeset(unit)}`];
 }
 
 /** Shows below a layer's switch its legend, its progress or its error. */
-export function showLayerState(name: LayerName, state: LayerState): void {
+export function showLayerState(name: LayerName, state: LayerState, response: ResponseName): void {
   const note = byId(`layer-note-${name}`, HTMLElement);
   note.dataset.state = state.kind;
   switch (state.kind) {
@@ -75,8 +74,10 @@ export function showLayerState(name: LayerName, state: LayerState): void {
     case "shown": {
       const bar = make("div", "layer-bar");
       bar.style.background = GRADIENTS[name];
-      const ends = scaleEnds(name, state.description).map((end) => make("span", "", end));
-      note.replaceChildren(bar, make("div", "ends", ...ends));
+      const ends = scaleEnds(name, state.description, response).map((end) => make("span", "", end));
+      const isSeen = response !== "photopic" && (name === "brightness" || name === "influence");
+      const by = isSeen ? [make("div", "", words().seen.by(words().responses[response]))] : [];
+      note.replaceChildren(bar, make("div", "ends", ...ends), ...by);
       note.title = state.description.description;
     }
   }

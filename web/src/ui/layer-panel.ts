@@ -37,9 +37,9 @@ function mountLayer(store: AppStore, layer: LayerName): void {
     if (opacity > 0) slider.value = String(opacity);
   };
   store.watch([sceneOf, "clouds", "place", "layers"], show);
-  store.watch([({ layerStates }) => layerStates[layer]], ({ layerStates }) => {
+  store.watch([({ layerStates }) => layerStates[layer]], ({ layerStates, response }) => {
     const state = layerStates[layer];
-    if (state !== undefined) showLayerState(layer, state);
+    if (state !== undefined) showLayerState(layer, state, response);
   });
 }
 

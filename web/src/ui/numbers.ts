@@ -27,7 +27,8 @@ export function mountNumbers(store: AppStore): void {
   });
 }
 
-function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
+/** A line of a list of numbers; `key` is for scripts and tests. */
+export function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
   const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
   shown.dataset.value = key;
   if (note !== "") shown.append(make("small", "", note));

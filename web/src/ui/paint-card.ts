@@ -5,12 +5,14 @@ import { words } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { type PaintChange, type Painting, type PaintKind, withRedo, withUndo } from "../lights/painting.ts";
 import type { Brush } from "../map/painter.ts";
-import { scenarioOf } from "../state/app-state.ts";
+import { type Comparison, scenarioOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import { comparisonRows } from "./comparison.ts";
 import { byId, make } from "./dom.ts";
 import { fixed, whole, withPrefix } from "./format.ts";
 import { wireGroup } from "./group.ts";
-import { emissions, lamps, lampsIn } from "./lamps.ts";
+import { emissions, lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
+import { fillGroups, fillSelect } from "./select.ts";
 
 const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
 
@@ -39,14 +41,8 @@ export class PaintCard {
     private readonly store: AppStore,
     lights: Lights,
   ) {
-    for (const [select, options] of [
-      [this.lamp, lamps()],
-      [this.emission, emissions()],
-    ] as const) {
-      select.replaceChildren(...options.map(([name, title]) => new Option(title, name)));
-    }
-    this.lamp.value = "pc_amber";
-    this.emission.value = "full_cutoff";
+    fillGroups(this.lamp, lampGroups(), "pc_amber", lampTitle);
+    fillSelect(this.emission, emissions(), "full_cutoff");
     const press = wireGroup<Brush["shape"]>("paint-shape", (shape) => {
       this.shape = shape;
       this.update();
@@ -67,7 +63,7 @@ export class PaintCard {
     });
     store.watch(["painting", "lamp"], ({ painting, lamp }) => this.showLamps(lamp, painting));
     store.watch(["painting"], ({ painting }) => this.showPainting(painting));
-    store.watch([scenarioOf], (state) => this.showScenario(scenarioOf(state)));
+    store.watch([scenarioOf, "comparison"], (state) => this.showScenario(scenarioOf(state), state.comparison));
   }
 
   /** What a stroke does to the lights below it. */
@@ -111,7 +107,7 @@ export class PaintCard {
     if (document.activeElement !== this.title) this.title.value = title;
   }
 
-  private showScenario(scenario: Scenario | null): void {
+  private showScenario(scenario: Scenario | null, comparison: Comparison | null): void {
     if (scenario === null) {
       this.answer.replaceChildren();
       return;
@@ -121,7 +117,8 @@ export class PaintCard {
     const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${fixed(change, Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
     const { changed, changedSomeDark, upward } = words().paint;
     const pixels = new_pixels > 0 ? changedSomeDark(whole(changed_pixels), whole(new_pixels)) : changed(whole(changed_pixels));
-    this.answer.replaceChildren(make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`));
+    const lights = make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`);
+    this.answer.replaceChildren(...(comparison === null ? [] : comparisonRows(comparison)), lights);
   }
 
   private update(): void {

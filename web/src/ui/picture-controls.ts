@@ -3,7 +3,8 @@
 import type { PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
-import type { BrightnessUnit } from "../sky/units.ts";
+import { type BrightnessUnit, unitFor } from "../sky/units.ts";
+import { seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId } from "./dom.ts";
 import { decimal } from "./format.ts";
@@ -20,8 +21,11 @@ export function mountPictureControls(store: AppStore): void {
   const pressSky = wireGroup<SkyKind>("sky-kind", (sky) => store.set({ sky }));
   store.watch(["projection"], ({ projection }) => pressProjection(projection));
   store.watch(["sky"], ({ sky }) => pressSky(sky));
-  store.watch(["unit"], (state) => {
-    unit.value = state.unit;
+  store.watch(["unit", seenOf], (state) => {
+    const seen = seenOf(state);
+    for (const option of unit.options) option.disabled = unitFor(option.value as BrightnessUnit, seen) !== option.value;
+    byId("unit-of-values", HTMLOptionElement).textContent = seen.unit;
+    unit.value = unitFor(state.unit, seen);
   });
   store.watch(["colours"], (state) => {
     colours.value = state.colours;

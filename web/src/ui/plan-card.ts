@@ -7,6 +7,7 @@ import type { Lights } from "../lights/lights.ts";
 import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import { comparisonRows } from "./comparison.ts";
 import { byId, inEnglish, make } from "./dom.ts";
 import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
@@ -76,9 +77,9 @@ export class PlanCard {
   }
 
   private plan(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
-    const sites = plan.sites.map((site) => {
+    const sites = plan.sites.flatMap((site) => {
       const { sky_before, sky_after } = site;
-      return make(
+      const numbers = make(
         "dl",
         "number-list",
         changeRow(
@@ -101,6 +102,7 @@ export class PlanCard {
               ),
             ]),
       );
+      return [numbers, ...comparisonRows({ before: sky_before, after: sky_after })];
     });
     const light = make(
       "p",

@@ -1,9 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, describeProblem } from "../api/problem.ts";
+import { typeset } from "../api/units.ts";
+import { words } from "../language/words.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
+import { changeOf, colourNote } from "./comparison.ts";
 import { coordinates, ratio, withPrefix } from "./format.ts";
-import { scaleEnds, typeset } from "./layer-legend.ts";
+import { lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
+import { scaleEnds } from "./layer-legend.ts";
 import { distanceAndBearing, placeName } from "./nearby.ts";
 import { terrainTitle } from "./numbers.ts";
 import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";
@@ -131,8 +135,64 @@ test("the ends of a layer's colours have units", () => {
   assert.equal(typeset("nW cm-2 sr-1"), "nW/cm²/sr");
   assert.equal(typeset("cd m-2"), "cd/m²");
   assert.equal(typeset("lx"), "lx");
-  assert.deepEqual(scaleEnds("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }), ["0.2", "200 nW/cm²/sr"]);
-  assert.deepEqual(scaleEnds("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }), ["1 %", "40 × the natural sky"]);
-  assert.deepEqual(scaleEnds("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }), ["1/10,000", "2.00 µcd/m² a pixel"]);
-  assert.deepEqual(scaleEnds("elevation", { range: null, unit: "m" }), ["0 m", "6000 m and more"]);
+  assert.deepEqual(scaleEnds("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }, "photopic"), ["0.2", "200 nW/cm²/sr"]);
+  assert.deepEqual(scaleEnds("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }, "photopic"), [
+    "1 %",
+    "40 × the natural sky",
+  ]);
+  assert.deepEqual(scaleEnds("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }, "photopic"), [
+    "1/10,000",
+    "2.00 µcd/m² a pixel",
+  ]);
+  assert.deepEqual(scaleEnds("elevation", { range: null, unit: "m" }, "photopic"), ["0 m", "6000 m and more"]);
+  const dark = { range: [4e-6, 0.016], unit: "cd m-2" };
+  assert.deepEqual(scaleEnds("brightness", dark, "scotopic"), ["4.00 µcd/m²", "16.0 mcd/m²"]);
+  const satellite = { range: [2e-8, 2e-4], unit: "nW cm-2 sr-1" };
+  assert.deepEqual(scaleEnds("influence", satellite, "dnb"), ["1/10,000", "200 fW/cm²/sr a pixel"]);
+});
+
+/** Every lamp is offered once, in groups, told apart by its colour temperature. */
+test("every lamp is offered once with its colour temperature", () => {
+  const titles = lampGroups().flatMap(({ choices }) => choices.map(([, title]) => title));
+  assert.deepEqual(
+    lamps()
+      .map(([name]) => name)
+      .sort(),
+    Object.keys(words().lamps).sort(),
+  );
+  assert.ok(
+    titles.every((title) => /, \d{4} K$/.test(title)),
+    `${titles}`,
+  );
+  assert.equal(new Set(titles).size, titles.length);
+  assert.deepEqual(
+    lampGroups().map(({ title }) => title),
+    ["", "Sodium", "LED", "Others"],
+  );
+});
+
+/** Lamps of the user's own are told by what they are. */
+test("own lamps are told by what they are", () => {
+  assert.equal(lampTitle("hps"), "high-pressure sodium, 2000 K");
+  assert.equal(lampTitle("hps:7,led_4000k:3"), "70 % high-pressure sodium, 2000 K + 30 % white LED, 4000 K");
+  assert.equal(lampTitle("400:0,450:1.2,500:0"), "own spectrum");
+  assert.equal(lampTitle("0.5,0.6,0.1"), "own fluxes 0.5,0.6,0.1");
+  assert.equal(lampTitle("neutral"), "own: neutral");
+  assert.deepEqual(lampsIn("mixed"), ["hps", "led_4000k"]);
+  assert.deepEqual(lampsIn("lps:1,mercury:2"), ["lps", "mercury"]);
+  assert.deepEqual(lampsIn("0.5,0.6,0.1"), []);
+});
+
+/** Changes are told in percent, large ones as factors, and none as none. */
+test("changes are told in percent or as factors", () => {
+  assert.equal(changeOf(1, 2.1), "+110 %");
+  assert.equal(changeOf(1, 1.012), "+1.2 %");
+  assert.equal(changeOf(1, 0.6), "−40 %");
+  assert.equal(changeOf(1, 1.0001), "±0 %");
+  assert.equal(changeOf(1, 25), "25 ×");
+  assert.equal(changeOf(0, 1), null);
+  assert.match(colourNote(0.6, 1.7), /bluer/);
+  assert.match(colourNote(1.7, 0.6), /redder/);
+  assert.equal(colourNote(1.2, 1.22), "");
+  assert.equal(colourNote(null, 1), "");
 });

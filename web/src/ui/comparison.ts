@@ -1,0 +1,69 @@
+// What changed lights change for eyes by day, eyes at night, and a meter.
+
+import type { SkyQuantities } from "../api/types.ts";
+import { words } from "../language/words.ts";
+import type { Comparison } from "../state/app-state.ts";
+import { make } from "./dom.ts";
+import { decimal, fixed, magnitude, ratio, withPrefix } from "./format.ts";
+
+/** From this factor on a change is told as one. */
+const TOLD_AS_FACTOR = 10;
+/** Changes of S/P by less than this are no change of colour. */
+const SAME_COLOUR = 0.03;
+
+/** A change as people say it: +12 %, −0.4 %, 25 ×; null where there was nothing before. */
+export function changeOf(before: number, after: number): string | null {
+  if (before <= 0) return null;
+  const factor = after / before;
+  if (factor >= TOLD_AS_FACTOR) return `${ratio(factor)} ×`;
+  const percent = 100 * (factor - 1);
+  const digits = Math.abs(percent) < 9.95 ? percent.toFixed(1) : percent.toFixed(0);
+  if (Number(digits) === 0) return `±0 %`;
+  return `${percent > 0 ? "+" : "−"}${decimal(digits.replace("-", ""))} %`;
+}
+
+function changeRow(key: string, name: string, change: string, detail: string): HTMLElement {
+  const shown = make("dd", "", make("b", "", change), make("small", "", detail));
+  shown.dataset.change = key;
+  return make("div", "number-row", make("dt", "", name), shown);
+}
+
+function luminanceRow(key: string, name: string, before: number, after: number): HTMLElement {
+  const [from = "", unit = ""] = withPrefix(before, "cd/m²").split(" ");
+  const to = withPrefix(after, "cd/m²");
+  return changeRow(key, name, changeOf(before, after) ?? "–", `${to.endsWith(` ${unit}`) ? from : `${from} ${unit}`} → ${to}`);
+}
+
+/** A meter's number is smaller where the sky is brighter, so it is said which it is. */
+function meterRow(before: SkyQuantities, after: SkyQuantities): HTMLElement {
+  const { meter, brighter, darker } = words().comparison;
+  const from = before.sqm_total_brightness_mag_arcsec2 ?? null;
+  const to = after.sqm_total_brightness_mag_arcsec2 ?? null;
+  const detail = `${magnitude(from)} → ${magnitude(to)} mag/arcsec²`;
+  if (from === null || to === null) return changeRow("sqm", meter, "–", detail);
+  const size = fixed(Math.abs(to - from), 2);
+  const change = Number(Math.abs(to - from).toFixed(2)) === 0 ? "±0" : to < from ? brighter(size) : darker(size);
+  return changeRow("sqm", meter, change, detail);
+}
+
+/** Photopic and scotopic luminance of artificial light at the zenith and the meter's reading, before and after. */
+export function comparisonRows({ before, after }: Comparison): HTMLElement[] {
+  const { comparison: say, responses } = words();
+  const list = make(
+    "dl",
+    "number-list comparison",
+    luminanceRow("photopic", responses.photopic, before.zenith_luminance_cd_m2, after.zenith_luminance_cd_m2),
+    luminanceRow("scotopic", responses.scotopic, before.zenith_scotopic_luminance_cd_m2, after.zenith_scotopic_luminance_cd_m2),
+    meterRow(before, after),
+  );
+  const note = colourNote(before.zenith_scotopic_photopic_ratio ?? null, after.zenith_scotopic_photopic_ratio ?? null);
+  return [make("h3", "", say.title), list, ...(note === "" ? [] : [make("p", "lead", note)])];
+}
+
+/** Whether the light is bluer or redder than before, in words; empty where it is neither. */
+export function colourNote(before: number | null, after: number | null): string {
+  if (before === null || after === null || before <= 0) return "";
+  const change = after / before - 1;
+  if (Math.abs(change) < SAME_COLOUR) return "";
+  return change > 0 ? words().comparison.bluer : words().comparison.redder;
+}
