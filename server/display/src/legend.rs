@@ -179,7 +179,8 @@ fn draw_bar(
             Response::Photopic => light.to_owned(),
             other => format!("{light}, {}", other.name()),
         };
-        note.draw(canvas, &words, (unit_x, bar_top + 1.0 * scale), Align::Left, LABEL_RGB);
+        let note_x = unit_x.min(canvas.width() as f32 - note.width_px(&words) - 4.0 * scale);
+        note.draw(canvas, &words, (note_x, bar_top + 1.0 * scale), Align::Left, LABEL_RGB);
     }
 
     let mut mark = |position: f64, label: &str, above: bool| {

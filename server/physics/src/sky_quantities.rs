@@ -109,7 +109,8 @@ fn mean_kernels(parts: &[SkyPart], horizon: &Horizon, weight: impl Fn(f64) -> f6
 
 /// What a response sees of lights behind their kernels.
 fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Response) -> f64 {
-    parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel)).sum()
+    let of_parts = parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel));
+    of_parts.fold(0.0, |sum, value| sum + value)
 }
 
 /// Mean over the visible directions of a plane whose hidden samples are 0; `weight` of a direction given its angle to the zenith
