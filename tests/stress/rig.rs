@@ -1,6 +1,6 @@
 //! Both executors on one set of packs, and the skies that are asked of them.
 
-use skyglow_physics::{AZIMUTH_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity};
+use skyglow_physics::{AZIMUTH_COUNT, EmissionMix, GeoPoint, Turbidity};
 use skyglow_render::{
     DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, TableSet, prepare::Prepared,
     reference::render_f64, resident_tables, synthetic::tested_device,
@@ -128,7 +128,7 @@ impl Rig {
             scattering: self.scattering(),
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
+            flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
             basis: None,
         })
     }

@@ -2,8 +2,7 @@
 
 use crate::error::BenchError;
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, LOBE_COUNT, LampPreset, Panorama, Turbidity,
-    multiple_scattering::DEFAULT_GROUND_ALBEDO,
+    BAND_COUNT, EmissionMix, LOBE_COUNT, Panorama, Turbidity, multiple_scattering::DEFAULT_GROUND_ALBEDO,
 };
 use skyglow_render::{PackKind, TableSet};
 use skyglow_tables::{Manifest, ResidentTables, Scattering};
@@ -145,7 +144,7 @@ impl Setting {
             turbidities: packs.turbidities,
             bases,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
+            flux_per_dnb_flux: crate::reference::REFERENCE_FLUX,
         })
     }
 

@@ -370,7 +370,7 @@ mod tests {
 
     /// What the dark-adapted eye sees has no magnitudes, and the legend says who sees.
     #[test]
-    fn responses_without_magnitudes_have_no_upper_labels() {
+    fn scotopic_legends_have_no_magnitudes() {
         let sky = grey_sky(|_, _| 1e-3);
         let options = PictureOptions::new(Projection::Equirectangular);
         let ink = |response: &Response| {

@@ -7,7 +7,7 @@ use crate::{
     realistic::EXPOSURE_RANGE_EV,
 };
 use serde::{Deserialize, Serialize};
-use skyglow_physics::{Response, photometry::natural_sky_value};
+use skyglow_physics::{Response, natural_sky::natural_sky_value};
 
 /// Smallest width or height of the sky in a picture, pixels.
 pub const MIN_SIDE_PX: u32 = 16;

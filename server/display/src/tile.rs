@@ -2,7 +2,7 @@
 
 use crate::{encode::encode_png_rgba, error::DisplayError, notes::Notes};
 use image::{Rgba, RgbaImage};
-use skyglow_physics::{Response, photometry::natural_sky_value};
+use skyglow_physics::{Response, natural_sky::natural_sky_value};
 
 /// Radiances that the colours of a radiance tile run between, nW cm⁻² sr⁻¹ (logarithmic).
 pub const RADIANCE_RANGE_NW_CM2_SR: (f64, f64) = (0.2, 200.0);

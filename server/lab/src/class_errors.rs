@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_bench::{accuracy::zenith_and_horizontal, scenes::grid_under_open_sky};
 use skyglow_physics::{
-    BAND_COUNT, EmissionMix, LampPreset, PhysicsError, Turbidity, photometry::natural_sky_luminance_cd_m2,
+    BAND_COUNT, EmissionMix, PhysicsError, Turbidity, photometry::natural_sky_luminance_cd_m2,
 };
 use skyglow_render::{Engine, RenderError, RenderRequest};
 use skyglow_scene::PolarGrid;
@@ -82,7 +82,7 @@ pub fn skies_of(
     emission: EmissionMix,
     basis: Option<usize>,
 ) -> Result<[Directions; 2], JudgeError> {
-    let flux_per_dnb_flux = LampPreset::Mixed.lamp().flux_per_dnb_flux();
+    let flux_per_dnb_flux = skyglow_bench::reference::REFERENCE_FLUX;
     let mut exact = reference.mixed_w_m2_sr(emission, flux_per_dnb_flux);
     let mut grid = grid.clone();
     if reference.place_deg.is_none() {

@@ -193,7 +193,7 @@ mod tests {
 
     /// Lumens per DNB watt of measured lamps, within what their makes differ by.
     #[test]
-    fn lumens_per_dnb_watt_are_those_of_measured_lamps() {
+    fn lumens_are_those_of_measured_lamps() {
         for (preset, measured) in [
             (LampPreset::Hps, 419.0),
             (LampPreset::Lps, 652.0),

@@ -26,6 +26,7 @@ pub mod horizon;
 pub mod interpolation;
 pub mod lamp;
 pub mod multiple_scattering;
+pub mod natural_sky;
 pub mod near_light;
 pub mod panorama;
 pub mod phase;
@@ -38,6 +39,7 @@ pub mod single_source;
 pub mod sky_curve;
 pub mod sky_measure;
 pub mod sky_quantities;
+mod sky_sums;
 pub mod source_pixel;
 pub mod spectrum;
 

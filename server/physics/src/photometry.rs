@@ -1,9 +1,6 @@
 //! Photometry: luminance, magnitudes, naked-eye limit (Crumey 2014), Bortle class (Bortle 2001).
 
-use crate::{
-    bands::{BAND_COUNT, Band},
-    spectrum::{Response, Spectrum},
-};
+use crate::bands::{BAND_COUNT, Band};
 
 /// Zero point of surface brightness: luminance of 0 mag arcsec⁻², cd m⁻².
 pub const ZERO_POINT_CD_M2: f64 = 1.08e5;
@@ -11,7 +8,7 @@ pub const ZERO_POINT_CD_M2: f64 = 1.08e5;
 pub const NATURAL_SKY_MAG_ARCSEC2: f64 = 22.0;
 
 /// Σ_b K_b L_b: luminance [cd m⁻²] of a radiance [W m⁻² sr⁻¹] in bands, by one efficacy a band: what errors of the engine are
-/// measured in. Answers take [`Response::Photopic`].
+/// measured in. Answers take the photopic response.
 pub fn luminance_cd_m2(radiance_w_m2_sr: [f64; BAND_COUNT]) -> f64 {
     Band::ALL.iter().map(|b| b.luminous_efficacy_lm_w() * radiance_w_m2_sr[b.index()]).sum()
 }
@@ -29,12 +26,6 @@ pub fn luminance_from_brightness_cd_m2(brightness_mag_arcsec2: f64) -> f64 {
 /// Luminance of the natural sky, cd m⁻² (uniform).
 pub fn natural_sky_luminance_cd_m2() -> f64 {
     luminance_from_brightness_cd_m2(NATURAL_SKY_MAG_ARCSEC2)
-}
-
-/// What a response sees of the natural sky, in the response's unit: as much light at every wavelength, with the luminance above.
-pub fn natural_sky_value(response: &Response) -> f64 {
-    let flat = Spectrum::from_fn(|_| 1.0);
-    natural_sky_luminance_cd_m2() * response.value_of(&flat) / Response::Photopic.value_of(&flat)
 }
 
 /// Bortle class 1 (pristine) to 9 (inner city) from the total brightness at the zenith.

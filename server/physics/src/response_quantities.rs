@@ -1,6 +1,6 @@
 //! What one response sees of a sky.
 
-use crate::{photometry::brightness_mag_arcsec2, sky_quantities::Sums, spectrum::Response};
+use crate::{photometry::brightness_mag_arcsec2, sky_sums::Sums, spectrum::Response};
 use serde::{Deserialize, Serialize};
 
 /// What a response sees at the zenith.

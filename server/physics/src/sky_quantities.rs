@@ -2,22 +2,19 @@
 
 use crate::{
     horizon::Horizon,
-    panorama::{
-        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, projected_sr, solid_angle_sr,
-    },
-    photometry::{
-        bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag, natural_sky_luminance_cd_m2,
-        natural_sky_value,
-    },
+    natural_sky::natural_sky_value,
+    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, solid_angle_sr},
+    photometry::{bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag, natural_sky_luminance_cd_m2},
     response_quantities::{ResponseQuantities, ZenithValue},
     seen_sky::{SeenSky, SkyPart},
+    sky_sums::{Sums, in_zenith_cap, visible_columns, weighted_mean},
     spectrum::{Colour, NODE_COUNT, RGB_BANDS, Response},
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Radius of the cap that "the zenith" means, radians (5°).
-pub const ZENITH_CAP_RAD: f64 = 5.0 * PI / 180.0;
+pub use crate::sky_sums::ZENITH_CAP_RAD;
+
 /// Full width at half maximum of a Sky Quality Meter's response, radians (20°).
 pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 
@@ -113,30 +110,6 @@ fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Respons
     of_parts.fold(0.0, |sum, value| sum + value)
 }
 
-/// Mean over the visible directions of a plane whose hidden samples are 0; `weight` of a direction given its angle to the zenith
-/// [rad].
-fn weighted_mean(plane: &[f32], horizon: &Horizon, weight: impl Fn(f64) -> f64) -> f64 {
-    let (mut sum, mut total) = (0.0, 0.0);
-    for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
-        let w = weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row);
-        if w > 0.0 {
-            total += w * visible_columns(horizon, row) as f64;
-            sum += w * values.iter().map(|&value| f64::from(value)).sum::<f64>();
-        }
-    }
-    if total > 0.0 { sum / total } else { 0.0 }
-}
-
-/// 1 in the cap that the zenith means, else 0.
-fn in_zenith_cap(angle_rad: f64) -> f64 {
-    if angle_rad <= ZENITH_CAP_RAD { 1.0 } else { 0.0 }
-}
-
-/// Number of columns whose sample in a row is sky.
-fn visible_columns(horizon: &Horizon, row: usize) -> usize {
-    (0..AZIMUTH_COUNT).filter(|&column| !horizon.hides_sample(row, column)).count()
-}
-
 /// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky, `[row][column]`, cd m⁻².
 pub fn vertical_illuminance_lx(luminance_cd_m2: &[f32], facing_azimuth_rad: f64) -> f64 {
     let facing = Direction { azimuth_rad: facing_azimuth_rad, elevation_rad: 0.0 }.enu();
@@ -164,50 +137,6 @@ impl SkyCover {
     /// Overcast where there are clouds.
     pub fn with_clouds(are_there: bool) -> Self {
         if are_there { Self::Overcast } else { Self::Clear }
-    }
-}
-
-/// What is summed over the directions of one response.
-pub(crate) struct Sums {
-    pub(crate) zenith: f64,
-    pub(crate) mean: f64,
-    pub(crate) horizontal: f64,
-    /// Projected solid angle of what is visible, sr: π for an open sky.
-    pub(crate) visible_projected_sr: f64,
-    pub(crate) brightest: f64,
-    brightest_row: usize,
-    brightest_column: usize,
-}
-
-impl Sums {
-    pub(crate) fn of(plane: &[f32], horizon: &Horizon) -> Self {
-        let mut horizontal = 0.0;
-        // What is hidden is taken from π, so that an open sky gives π itself.
-        let mut hidden_projected_sr = 0.0;
-        let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
-        for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
-            let projected_sr = projected_sr(row);
-            for (column, &value) in values.iter().enumerate() {
-                if horizon.hides_sample(row, column) {
-                    hidden_projected_sr += projected_sr;
-                    continue;
-                }
-                let value = f64::from(value);
-                horizontal += value * projected_sr;
-                if value > brightest.0 {
-                    brightest = (value, row, column);
-                }
-            }
-        }
-        Self {
-            zenith: weighted_mean(plane, horizon, in_zenith_cap),
-            mean: weighted_mean(plane, horizon, |_| 1.0),
-            horizontal,
-            visible_projected_sr: PI - hidden_projected_sr,
-            brightest: brightest.0,
-            brightest_row: brightest.1,
-            brightest_column: brightest.2,
-        }
     }
 }
 

@@ -156,7 +156,7 @@ async fn the_total_sky_adds_the_natural_one() {
     let added = (seen_total - seen) / photometry::natural_sky_luminance_cd_m2();
     assert!((added - 1.0).abs() < 1e-4, "{added}");
     for (band, (total, artificial)) in RGB_BANDS.iter().zip(total.into_iter().zip(artificial)) {
-        let added = (total - artificial) / photometry::natural_sky_value(band);
+        let added = (total - artificial) / skyglow_physics::natural_sky::natural_sky_value(band);
         assert!((added - 1.0).abs() < 1e-4, "{added}");
     }
 }

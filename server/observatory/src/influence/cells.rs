@@ -7,7 +7,7 @@ use super::{
     products::products,
     ready::{KnownSky, ReadyRequest, ReadyRequests},
     scales::{Slope, scales_of},
-    sensitivity::{sensitivities, spectral_weights},
+    sensitivity::{SeenMeasure, sensitivities, spectral_weights},
 };
 use crate::{cache_sizes::CacheSizes, error::ObservatoryError};
 use rayon::prelude::*;
@@ -27,15 +27,6 @@ use std::sync::{Arc, OnceLock};
 const CELLS_AT_ONCE: usize = 1024;
 /// Steepest slope of ln(measure) over altitude in use, m⁻¹: next to the ground of a near lamp a step of the axis is metres.
 const STEEPEST_PER_M: f64 = 0.02;
-
-/// A linear measure of what a response sees of one kind of light.
-#[derive(Clone, Copy, Debug)]
-pub struct SeenMeasure<'a> {
-    /// Weights of directions.
-    pub measure: &'a LinearMeasure,
-    /// What the response makes of the light.
-    pub rule: &'a SpectralRule,
-}
 
 /// What is asked of every cell.
 #[derive(Clone, Copy, Debug)]

@@ -23,8 +23,9 @@ mod sensitivity;
 mod zenith_kernel;
 
 pub(crate) use cells::norm_of_values;
-pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells, SeenMeasure};
+pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
 pub use pixels::influence_of_pixels;
+pub use sensitivity::SeenMeasure;
 pub use zenith_kernel::{KernelRange, zenith_kernel};
 
 #[cfg(test)]

@@ -1,11 +1,22 @@
 //! What a change of each pack's sky, and of each node in it, does to a linear measure of what a response sees of the blended one.
 
-use super::SeenMeasure;
-use skyglow_physics::{AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, Panorama, interpolation::Stencil};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, LinearMeasure, Panorama, interpolation::Stencil,
+    spectrum::SpectralRule,
+};
 use skyglow_render::twin::{Blend, MAX_DEVIATION_SHARE, MIN_PACK_RATIO, RADIANCE_FLOOR_W_M2_SR};
 use std::array::{from_fn, from_ref};
 
 const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
+
+/// A linear measure of what a response sees of one kind of light.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenMeasure<'a> {
+    /// Weights of directions.
+    pub measure: &'a LinearMeasure,
+    /// What the response makes of the light.
+    pub rule: &'a SpectralRule,
+}
 
 /// ∂(measure)/∂(kernel) at the state of a sky, `[band][row][column]`: Σ weight·kernel over its own samples is its measure (Euler).
 pub(super) fn spectral_weights(sky: &Panorama, SeenMeasure { measure, rule }: SeenMeasure<'_>) -> Vec<f32> {

@@ -54,7 +54,7 @@ mod tests {
     use crate::spectrum::{LampPreset, NODE_COUNT, RGB_BANDS};
 
     #[test]
-    fn rules_are_found_once_and_are_in_the_responses_unit() {
+    fn rules_are_found_once_and_have_units() {
         let light = Light::new(LampPreset::Led4000k.spectrum());
         let rule = light.rule(&Response::Photopic);
         assert!(Arc::ptr_eq(&rule, &light.rule(&Response::Photopic)));

@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, SceneArguments, place, turbidity};
 use skyglow_lab::setup::{clear_sky, engine_of};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, PointSource, Turbidity,
+    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, PointSource, Turbidity,
     blocking::blocking_position,
     direct_sum::{grid_direction, stratified_samples},
     error_metric::{ErrorStatistics, relative_error},
@@ -110,7 +110,7 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
         observer_altitude_m: eye_m,
         sources: &lights.sources,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Mixed.lamp().flux_per_dnb_flux(),
+        flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
         directions: &directions,
     };
     let atmosphere = Atmosphere::new(turbidity);

@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, SceneArguments, place};
 use skyglow_lab::{lobe_reference::seven_digits, places::places};
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, LampPreset, Turbidity,
+    Atmosphere, BAND_COUNT, EmissionMix, GeoPoint, Turbidity,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
@@ -80,7 +80,7 @@ fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> 
             &sources,
             observer_altitude_m,
             EmissionMix::garstang(),
-            LampPreset::Mixed.lamp().flux_per_dnb_flux(),
+            skyglow_bench::reference::REFERENCE_FLUX,
             &view,
             &|| (),
         );

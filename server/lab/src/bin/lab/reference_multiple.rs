@@ -3,7 +3,7 @@
 use crate::arguments::{List, Outcome};
 use skyglow_lab::{lobe_reference::seven_digits, setup::later_orders};
 use skyglow_physics::{
-    BAND_COUNT, GeoPoint, LampPreset, Turbidity,
+    BAND_COUNT, GeoPoint, Turbidity,
     direct_sum::grid_direction,
     multiple_scattering::DEFAULT_GROUND_ALBEDO,
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -52,7 +52,7 @@ pub(crate) fn run(Arguments { data, turbidities: wanted, out, files }: &Argument
         for (index, turbidity) in held.into_iter().enumerate().filter(|(_, t)| wanted.0.contains(t)) {
             let start = Instant::now();
             let sum = later_orders(Turbidity::new(turbidity)?, observer_altitude_m);
-            let more = sum.radiance(&sources, LampPreset::Mixed.lamp().flux_per_dnb_flux(), &directions)?;
+            let more = sum.radiance(&sources, skyglow_bench::reference::REFERENCE_FLUX, &directions)?;
             for ((radiance, first), more) in radiance.iter_mut().zip(&first).zip(more) {
                 radiance.extend(
                     (0..BAND_COUNT).map(|band| seven_digits(first[index * BAND_COUNT + band] + more[band])),

@@ -3,7 +3,7 @@
 use crate::arguments::{Outcome, PlaceArguments};
 use skyglow_lab::setup::{clear_sky, engine_of};
 use skyglow_physics::{
-    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, EmissionMix, LampPreset,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, EmissionMix,
     direct_sum::{direct_sum, grid_direction, stratified_samples},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
 };
@@ -66,7 +66,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
         &sources,
         observer_altitude_m,
         EmissionMix::garstang(),
-        LampPreset::Mixed.lamp().flux_per_dnb_flux(),
+        skyglow_bench::reference::REFERENCE_FLUX,
         &directions,
         &|| (),
     );

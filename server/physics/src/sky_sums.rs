@@ -1,0 +1,78 @@
+//! Sums over the visible directions of the panorama grid.
+
+use crate::{
+    horizon::Horizon,
+    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, elevation_rad, projected_sr, solid_angle_sr},
+};
+use std::f64::consts::PI;
+
+/// Radius of the cap that "the zenith" means, radians (5°).
+pub const ZENITH_CAP_RAD: f64 = 5.0 * PI / 180.0;
+
+/// What is summed over the directions of one response.
+pub(crate) struct Sums {
+    pub(crate) zenith: f64,
+    pub(crate) mean: f64,
+    pub(crate) horizontal: f64,
+    /// Projected solid angle of what is visible, sr: π for an open sky.
+    pub(crate) visible_projected_sr: f64,
+    pub(crate) brightest: f64,
+    pub(crate) brightest_row: usize,
+    pub(crate) brightest_column: usize,
+}
+
+impl Sums {
+    pub(crate) fn of(plane: &[f32], horizon: &Horizon) -> Self {
+        let mut horizontal = 0.0;
+        // What is hidden is taken from π, so that an open sky gives π itself.
+        let mut hidden_projected_sr = 0.0;
+        let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
+        for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
+            let projected_sr = projected_sr(row);
+            for (column, &value) in values.iter().enumerate() {
+                if horizon.hides_sample(row, column) {
+                    hidden_projected_sr += projected_sr;
+                    continue;
+                }
+                let value = f64::from(value);
+                horizontal += value * projected_sr;
+                if value > brightest.0 {
+                    brightest = (value, row, column);
+                }
+            }
+        }
+        Self {
+            zenith: weighted_mean(plane, horizon, in_zenith_cap),
+            mean: weighted_mean(plane, horizon, |_| 1.0),
+            horizontal,
+            visible_projected_sr: PI - hidden_projected_sr,
+            brightest: brightest.0,
+            brightest_row: brightest.1,
+            brightest_column: brightest.2,
+        }
+    }
+}
+
+/// Mean over the visible directions of a plane whose hidden samples are 0; `weight` of a direction given its angle to the zenith
+/// [rad].
+pub(crate) fn weighted_mean(plane: &[f32], horizon: &Horizon, weight: impl Fn(f64) -> f64) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
+        let w = weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row);
+        if w > 0.0 {
+            total += w * visible_columns(horizon, row) as f64;
+            sum += w * values.iter().map(|&value| f64::from(value)).sum::<f64>();
+        }
+    }
+    if total > 0.0 { sum / total } else { 0.0 }
+}
+
+/// 1 in the cap that the zenith means, else 0.
+pub(crate) fn in_zenith_cap(angle_rad: f64) -> f64 {
+    if angle_rad <= ZENITH_CAP_RAD { 1.0 } else { 0.0 }
+}
+
+/// Number of columns whose sample in a row is sky.
+pub(crate) fn visible_columns(horizon: &Horizon, row: usize) -> usize {
+    (0..AZIMUTH_COUNT).filter(|&column| !horizon.hides_sample(row, column)).count()
+}
