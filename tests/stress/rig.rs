@@ -128,7 +128,7 @@ impl Rig {
             scattering: self.scattering(),
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
+            flux_per_dnb_flux: skyglow_bench::options::REFERENCE_FLUX,
             basis: None,
         })
     }

@@ -82,7 +82,7 @@ fn compare(
             scattering: reference.scattering,
             cloud_base_m: None,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
+            flux_per_dnb_flux: skyglow_bench::options::REFERENCE_FLUX,
             basis: None,
         })
         .unwrap();

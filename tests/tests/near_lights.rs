@@ -27,7 +27,7 @@ fn request(polar: PolarGrid, turbidity: f64) -> RenderRequest {
         scattering: Scattering::Multiple,
         cloud_base_m: None,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
+        flux_per_dnb_flux: skyglow_bench::options::REFERENCE_FLUX,
         basis: None,
     }
 }
@@ -53,7 +53,7 @@ fn near_light_peaks_are_those_of_first_order() {
         source_altitude_m: light.altitude_m,
         observer_altitude_m: 300.0,
     };
-    let flux = skyglow_bench::reference::REFERENCE_FLUX.map(|flux| flux * light.flux_dnb_w);
+    let flux = skyglow_bench::options::REFERENCE_FLUX.map(|flux| flux * light.flux_dnb_w);
     let with = sky(grid_under_open_sky(&lights), 2.5);
     let without = sky(PolarGrid { near: Vec::new(), ..grid_under_open_sky(&lights) }, 2.5);
     let (mut right, mut wrong) = (0f64, 0f64);

@@ -8,6 +8,9 @@ use skyglow_render::{PackKind, TableSet};
 use skyglow_tables::{Manifest, ResidentTables, Scattering};
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
+/// Flux of the bands per DNB flux that skies are compared at, and stored reference skies have: sodium and LED, half of each.
+pub const REFERENCE_FLUX: [f64; BAND_COUNT] = [0.408, 0.642, 0.186];
+
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct BenchOptions {
@@ -144,7 +147,7 @@ impl Setting {
             turbidities: packs.turbidities,
             bases,
             emission: EmissionMix::garstang(),
-            flux_per_dnb_flux: crate::reference::REFERENCE_FLUX,
+            flux_per_dnb_flux: REFERENCE_FLUX,
         })
     }
 

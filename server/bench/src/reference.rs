@@ -37,9 +37,6 @@ pub struct ReferenceSky {
     pub radiance_w_m2_sr: Vec<[f64; BAND_COUNT]>,
 }
 
-/// Flux of the bands per DNB flux that skies are compared at, and stored reference skies have: sodium and LED, half of each.
-pub const REFERENCE_FLUX: [f64; BAND_COUNT] = [0.408, 0.642, 0.186];
-
 /// A reference file, as `tests/reference` has them.
 #[derive(Debug, Deserialize)]
 struct StoredReference {

@@ -82,7 +82,7 @@ pub fn skies_of(
     emission: EmissionMix,
     basis: Option<usize>,
 ) -> Result<[Directions; 2], JudgeError> {
-    let flux_per_dnb_flux = skyglow_bench::reference::REFERENCE_FLUX;
+    let flux_per_dnb_flux = skyglow_bench::options::REFERENCE_FLUX;
     let mut exact = reference.mixed_w_m2_sr(emission, flux_per_dnb_flux);
     let mut grid = grid.clone();
     if reference.place_deg.is_none() {

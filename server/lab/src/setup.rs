@@ -70,7 +70,7 @@ pub fn clear_sky(
         scattering,
         cloud_base_m: None,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
+        flux_per_dnb_flux: skyglow_bench::options::REFERENCE_FLUX,
         basis: None,
     }
 }

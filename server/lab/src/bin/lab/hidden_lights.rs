@@ -110,7 +110,7 @@ fn compare(scene: &Scene, engine: &Engine, turbidity: Turbidity, place: GeoPoint
         observer_altitude_m: eye_m,
         sources: &lights.sources,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: skyglow_bench::reference::REFERENCE_FLUX,
+        flux_per_dnb_flux: skyglow_bench::options::REFERENCE_FLUX,
         directions: &directions,
     };
     let atmosphere = Atmosphere::new(turbidity);

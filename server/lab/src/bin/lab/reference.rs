@@ -80,7 +80,7 @@ fn reference<const SLOTS: usize>(turbidities: &[f64], arguments: &Arguments) -> 
             &sources,
             observer_altitude_m,
             EmissionMix::garstang(),
-            skyglow_bench::reference::REFERENCE_FLUX,
+            skyglow_bench::options::REFERENCE_FLUX,
             &view,
             &|| (),
         );

@@ -52,7 +52,7 @@ pub(crate) fn run(Arguments { data, turbidities: wanted, out, files }: &Argument
         for (index, turbidity) in held.into_iter().enumerate().filter(|(_, t)| wanted.0.contains(t)) {
             let start = Instant::now();
             let sum = later_orders(Turbidity::new(turbidity)?, observer_altitude_m);
-            let more = sum.radiance(&sources, skyglow_bench::reference::REFERENCE_FLUX, &directions)?;
+            let more = sum.radiance(&sources, skyglow_bench::options::REFERENCE_FLUX, &directions)?;
             for ((radiance, first), more) in radiance.iter_mut().zip(&first).zip(more) {
                 radiance.extend(
                     (0..BAND_COUNT).map(|band| seven_digits(first[index * BAND_COUNT + band] + more[band])),

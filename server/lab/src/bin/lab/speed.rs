@@ -66,7 +66,7 @@ pub(crate) fn run(Arguments { place: asked }: &Arguments) -> Outcome {
         &sources,
         observer_altitude_m,
         EmissionMix::garstang(),
-        skyglow_bench::reference::REFERENCE_FLUX,
+        skyglow_bench::options::REFERENCE_FLUX,
         &directions,
         &|| (),
     );
