@@ -62,14 +62,21 @@ impl Atmosphere {
     /// The atmosphere at a turbidity under a clear sky: β_m(λ) = β_m(550)·(550/λ)⁴,
     /// β_a(λ) = (T − 1)·β_m(550)·(8.0/1.2)·(550/λ)^1.3.
     pub fn new(turbidity: Turbidity) -> Self {
-        let relative = |band: Band, power: f64| (550.0 / band.wavelength_nm()).powf(power);
+        Self::at(turbidity, Band::ALL.map(Band::wavelength_nm))
+    }
+
+    /// The same at other wavelengths, nm, in the place of the bands': for what judges the spectrum between those. They are to be as long,
+    /// one beside the other, as the bands' are: the solver's steps are by the shortest.
+    pub fn at(turbidity: Turbidity, wavelengths_nm: [f64; BAND_COUNT]) -> Self {
+        let relative = |wavelength_nm: f64, power: f64| (550.0 / wavelength_nm).powf(power);
         let aerosol_550 = (turbidity.value() - 1.0)
             * MOLECULE_EXTINCTION_550_PER_M
             * (MOLECULE_SCALE_HEIGHT_M / AEROSOL_SCALE_HEIGHT_M);
         Self {
             turbidity,
-            molecule_extinction_per_m: Band::ALL.map(|b| MOLECULE_EXTINCTION_550_PER_M * relative(b, 4.0)),
-            aerosol_extinction_per_m: Band::ALL.map(|b| aerosol_550 * relative(b, 1.3)),
+            molecule_extinction_per_m: wavelengths_nm
+                .map(|nm| MOLECULE_EXTINCTION_550_PER_M * relative(nm, 4.0)),
+            aerosol_extinction_per_m: wavelengths_nm.map(|nm| aerosol_550 * relative(nm, 1.3)),
             cloud: None,
         }
     }

@@ -25,6 +25,7 @@ mod reference;
 mod reference_multiple;
 mod scene_times;
 mod seeds;
+mod spectra;
 mod speed;
 mod tolerance;
 
@@ -57,6 +58,7 @@ enum Program {
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
     Lamps(lamps::Arguments),
+    Spectra(spectra::Arguments),
     Brightness(brightness::Arguments),
     InfluenceReference(influence_reference::Arguments),
     PlanReference(plan_reference::Arguments),
@@ -88,6 +90,7 @@ fn main() -> Outcome {
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
         Program::Lamps(arguments) => lamps::run(&arguments),
+        Program::Spectra(arguments) => spectra::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
         Program::InfluenceReference(arguments) => influence_reference::run(&arguments),
         Program::PlanReference(arguments) => plan_reference::run(&arguments),
