@@ -23,7 +23,8 @@ const WITHIN: [f64; 4] = [1.75, 2.0, 2.5, 3.0];
 fn limits(class: Class, mix: &str, turbidity: f64) -> SkyErrors {
     let [mean, p99, zenith, horizontal] = match (class, mix) {
         _ if WITHIN.contains(&turbidity) => [1.0, 5.0, 0.5, 0.5],
-        (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.51, 0.5],
+        // 0.50 at the tables' altitudes; shapes between steps of altitude add 0.03.
+        (Class::AbovePlain, "horizon") => [1.0, 5.0, 0.54, 0.5],
         (Class::Valley, "oblique") => [1.0, 5.1, 0.5, 0.5],
         _ => [1.0, 5.0, 0.5, 0.5],
     };
