@@ -4,7 +4,7 @@
 use crate::{
     bands::BAND_COUNT,
     panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama},
-    simd::multiply_add,
+    simd::{exponential, logarithm, multiply_add},
     simd_dispatch,
     spectrum::{Light, Response, SpectralRule},
 };
@@ -110,7 +110,7 @@ fn add_row_body<const FUSED: bool>(kernel: &[Row; BAND_COUNT], rules: &[Rule], v
     let lit: Row = from_fn(|at| if most[at] > f32::MIN_POSITIVE { 1.0 } else { 0.0 });
     let scale: Row = from_fn(|at| if lit[at] > 0.0 { most[at] } else { 1.0 });
     let logarithms: [Row; BAND_COUNT] =
-        from_fn(|band| from_fn(|at| logarithm::<FUSED>((kernel[band][at] / scale[at]).max(FLOOR))));
+        from_fn(|band| from_fn(|at| logarithm((kernel[band][at] / scale[at]).max(FLOOR))));
     for (rule, row) in rules.iter().zip(values) {
         let mut sums = [0f32; AZIMUTH_COUNT];
         for (weights, weight) in &rule.0 {
@@ -119,45 +119,13 @@ fn add_row_body<const FUSED: bool>(kernel: &[Row; BAND_COUNT], rules: &[Rule], v
                 for band in 0..BAND_COUNT {
                     exponent = multiply_add::<FUSED>(weights[band], logarithms[band][at], exponent);
                 }
-                sums[at] = multiply_add::<FUSED>(*weight, exponential::<FUSED>(exponent), sums[at]);
+                sums[at] = multiply_add::<FUSED>(*weight, exponential(exponent), sums[at]);
             }
         }
         for at in 0..AZIMUTH_COUNT {
             row[at] = multiply_add::<FUSED>(lit[at] * scale[at], sums[at], row[at]);
         }
     }
-}
-
-/// eˣ to 2e-7 for −87 < x < 88.
-#[inline(always)]
-fn exponential<const FUSED: bool>(x: f32) -> f32 {
-    // 2^t with t = n + r: adding 1.5·2²³ rounds t to the integer n and leaves it in the low bits.
-    const ROUND: f32 = 12_582_912.0;
-    let t = (x * std::f32::consts::LOG2_E).clamp(-125.0, 126.0);
-    let rounded = t + ROUND;
-    let r = (t - (rounded - ROUND)) * std::f32::consts::LN_2;
-    let power = f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23));
-    let mut series = 1.0 / 720.0;
-    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
-        series = multiply_add::<FUSED>(series, r, coefficient);
-    }
-    power * series
-}
-
-/// ln x to 2e-7 for normal x > 0: 2·artanh((m − 1)/(m + 1)) of the mantissa between √½ and √2.
-#[inline(always)]
-fn logarithm<const FUSED: bool>(x: f32) -> f32 {
-    const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
-    let shifted = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
-    let exponent = (shifted as i32) >> 23;
-    let m = f32::from_bits((shifted & 0x007f_ffff).wrapping_add(SQRT_HALF_BITS));
-    let s = (m - 1.0) / (m + 1.0);
-    let s2 = s * s;
-    let mut series = 1.0 / 9.0;
-    for coefficient in [1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0, 1.0] {
-        series = multiply_add::<FUSED>(series, s2, coefficient);
-    }
-    multiply_add::<FUSED>(exponent as f32, std::f32::consts::LN_2, 2.0 * s * series)
 }
 
 #[cfg(test)]

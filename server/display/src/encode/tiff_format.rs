@@ -3,7 +3,6 @@
 use super::{BAND_NAMES, RADIANCE_UNIT, SAMPLES};
 use crate::{error::DisplayError, notes::Notes, raster::FloatRaster};
 use flate2::{Compression, write::ZlibEncoder};
-use skyglow_physics::BAND_COUNT;
 use std::io::{Cursor, Write};
 use tiff::{
     TiffResult,
@@ -14,7 +13,7 @@ use tiff::{
 /// GDAL's own tag: names and units of the bands.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 /// Bytes of a pixel's samples.
-const SAMPLE_BYTES: usize = BAND_COUNT * size_of::<f32>();
+const SAMPLE_BYTES: usize = BAND_NAMES.len() * size_of::<f32>();
 /// A strip has as many rows as this takes, in bytes before compression.
 const STRIP_BYTES: usize = 1_000_000;
 
@@ -41,7 +40,7 @@ fn write(raster: &FloatRaster<'_>, notes: &Notes, out: &mut Cursor<Vec<u8>>) -> 
     directory.write_tag(Tag::Predictor, Predictor::None.to_u16())?;
     directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::RGB.to_u16())?;
     directory.write_tag(Tag::RowsPerStrip, rows_per_strip as u32)?;
-    directory.write_tag(Tag::SamplesPerPixel, BAND_COUNT as u16)?;
+    directory.write_tag(Tag::SamplesPerPixel, BAND_NAMES.len() as u16)?;
     directory.write_tag(Tag::XResolution, Rational { n: 1, d: 1 })?;
     directory.write_tag(Tag::YResolution, Rational { n: 1, d: 1 })?;
     directory.write_tag(Tag::ResolutionUnit, ResolutionUnit::None.to_u16())?;
@@ -55,7 +54,7 @@ fn write(raster: &FloatRaster<'_>, notes: &Notes, out: &mut Cursor<Vec<u8>>) -> 
         let mut strip = ZlibEncoder::new(Vec::new(), Compression::fast());
         let mut samples = Vec::with_capacity(row_bytes * rows.len());
         for (y, x) in rows.flat_map(|y| (0..raster.width_px).map(move |x| (y, x))) {
-            let radiance = raster.radiance_w_m2_sr(x, y).unwrap_or([f32::NAN; BAND_COUNT]);
+            let radiance = raster.radiance_w_m2_sr(x, y).unwrap_or([f32::NAN; BAND_NAMES.len()]);
             // In the order of this machine, as all numbers of the file.
             samples.extend(radiance.iter().flat_map(|sample| sample.to_ne_bytes()));
         }
@@ -64,8 +63,8 @@ fn write(raster: &FloatRaster<'_>, notes: &Notes, out: &mut Cursor<Vec<u8>>) -> 
         offsets.push(u32::try_from(directory.write_data(&strip[..])?)?);
         lengths.push(u32::try_from(strip.len())?);
     }
-    directory.write_tag(Tag::BitsPerSample, &[8 * size_of::<f32>() as u16; BAND_COUNT][..])?;
-    directory.write_tag(Tag::SampleFormat, &[SampleFormat::IEEEFP.to_u16(); BAND_COUNT][..])?;
+    directory.write_tag(Tag::BitsPerSample, &[8 * size_of::<f32>() as u16; BAND_NAMES.len()][..])?;
+    directory.write_tag(Tag::SampleFormat, &[SampleFormat::IEEEFP.to_u16(); BAND_NAMES.len()][..])?;
     directory.write_tag(Tag::StripOffsets, &offsets[..])?;
     directory.write_tag(Tag::StripByteCounts, &lengths[..])?;
     directory.finish()

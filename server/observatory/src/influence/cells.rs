@@ -5,7 +5,7 @@ use super::{
     correlation::correlate,
     norms::NormsOfPack,
     products::products,
-    ready::{KnownSky, ReadyRequest, ReadyRequests},
+    ready::{ReadyRequest, ReadyRequests},
     scales::{Slope, scales_of},
     sensitivity::{SeenMeasure, sensitivities, spectral_weights},
 };
@@ -192,8 +192,9 @@ impl InfluenceSolver {
         measure: SeenMeasure<'_>,
     ) -> Result<Vec<(usize, f64)>, ObservatoryError> {
         let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
-        let Some(KnownSky { between: Some(between), whole: Some(whole), near: Some((near, shown)), .. }) =
-            &ready.sky
+        let known = ready.sky.as_ref();
+        let Some(((between, whole), (near, shown))) =
+            known.and_then(|sky| sky.between.as_ref().zip(sky.whole()).zip(sky.near.as_ref()))
         else {
             return Ok(Vec::new());
         };
@@ -251,7 +252,7 @@ impl InfluenceSolver {
     /// Adds up what cells do, and gives what they do to the sky together.
     fn linear(&self, ready: &ReadyRequest, measure: SeenMeasure<'_>, sum: &mut [Slope]) -> f64 {
         let (request, Some(sky)) = (&ready.prepared, &ready.sky) else { return 0.0 };
-        let (Some(between), Some(whole)) = (&sky.between, &sky.whole) else { return 0.0 };
+        let (Some(between), Some(whole)) = (&sky.between, sky.whole()) else { return 0.0 };
         let stencil = &request.turbidity_stencil;
         let of_sky = spectral_weights(whole, measure);
         let weights = sensitivities(&sky.of_packs, stencil, &of_sky);

@@ -34,10 +34,17 @@ pub(super) struct KnownSky {
     pub(super) of_packs: Vec<Vec<f32>>,
     /// Between them, as cells make it; None where there is no light at all.
     pub(super) between: Option<Panorama>,
-    /// The same with near lights as they are.
-    pub(super) whole: Option<Panorama>,
+    /// The same with near lights as they are; None where there are none.
+    whole: Option<Panorama>,
     /// The near lights and which of them show in it; None where there are none.
     pub(super) near: Option<(NearFieldCorrection, VisibleLights)>,
+}
+
+impl KnownSky {
+    /// The sky with near lights as they are.
+    pub(super) fn whole(&self) -> Option<&Panorama> {
+        self.whole.as_ref().or(self.between.as_ref())
+    }
 }
 
 /// A request made ready, with what its measures are found from.
@@ -131,17 +138,19 @@ impl ReadyRequest {
                 let visible = near.visible_lights(set, between.samples());
                 Some((near, visible))
             });
-            let mut whole = between.clone();
-            if let (Some(whole), Some((_, visible))) = (&mut whole, &near) {
+            let whole = between.as_ref().zip(near.as_ref()).map(|(between, (_, visible))| {
+                let mut whole = between.clone();
                 visible.add_to(whole.samples_mut());
-            }
+                whole
+            });
             KnownSky { of_packs, between, whole, near }
         });
         let grids = [Some(request), other].map(|held| held.map_or(0, |held| held.polar.byte_count()));
         let of_nodes = |nodes: &NodesOfPack| size_of_val(&*nodes.scales) + size_of_val(&*nodes.mixed);
         let of_sky = sky_known.as_ref().map_or(0, |sky| {
             let of_near = sky.near.as_ref().map_or(0, |(_, visible)| visible.byte_count());
-            (2 + sky.of_packs.len()) * 4 * Panorama::LEN + of_near
+            let skies = 1 + sky.of_packs.len() + usize::from(sky.whole.is_some());
+            skies * 4 * Panorama::LEN + of_near
         });
         let bytes = size_of_val(&*prepared.cells)
             + size_of_val(&*prepared.nodes)

@@ -1,6 +1,7 @@
 //! The grid of places around a source: rings of distance from its vertical by layers of altitude.
 
-use super::lanes::{LANES, Lanes, fast_ln};
+use super::lanes::{LANES, Lanes};
+use crate::simd::logarithm;
 use crate::{cloud::CloudBase, geometry::EARTH_RADIUS_M};
 
 /// Top of the grid above the sphere under a clear sky, metres: 4e-4 of the molecules lie above.
@@ -67,7 +68,7 @@ fn ring_coordinate(distance_m: f64) -> f64 {
 /// As [`ring_coordinate`], to 1e-6, for every step of every ray.
 #[inline(always)]
 fn quick_ring_coordinate(distance_m: f64) -> f64 {
-    f64::from(fast_ln((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
+    f64::from(logarithm((1.0 + distance_m / RING_NEAR_M) as f32)) + distance_m / RING_FAR_M
 }
 
 /// dx/dρ, m⁻¹.

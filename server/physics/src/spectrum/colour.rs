@@ -5,6 +5,10 @@ use super::{
     response::{PHOTOPIC_LM_W, SCOTOPIC_LM_W, planck},
     response_tables as tables,
 };
+use std::sync::LazyLock;
+
+/// Distance from Planck's curve from which on a temperature has no meaning (CIE 015).
+const MAX_DISTANCE: f64 = 0.05;
 
 /// The colour of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,25 +59,35 @@ fn uv([x, y, z]: [f64; 3]) -> [f64; 2] {
     [4.0 * x / total, 6.0 * y / total]
 }
 
+/// Reciprocal temperatures that are looked through, MK⁻¹, and the step between them.
+const MIREDS: (f64, f64) = (40.0, 1_000.0);
+const STEP_MIRED: f64 = 5.0;
+
+/// Black bodies every [`STEP_MIRED`].
+static LOCUS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    let count = ((MIREDS.1 - MIREDS.0) / STEP_MIRED) as usize + 1;
+    (0..count).map(|at| black_body_uv(MIREDS.0 + STEP_MIRED * at as f64)).collect()
+});
+
+fn black_body_uv(mired: f64) -> [f64; 2] {
+    uv(tristimulus(&Spectrum::from_fn(|nm| planck(nm, 1e6 / mired))))
+}
+
 /// The temperature whose black body is nearest.
 fn temperature_k([u, v]: [f64; 2]) -> Option<f64> {
-    let distance = |mired: f64| {
-        let [own_u, own_v] = uv(tristimulus(&Spectrum::from_fn(|nm| planck(nm, 1e6 / mired))));
-        (own_u - u).hypot(own_v - v)
-    };
-    // Golden-section search over reciprocal megakelvins, in which the curve is even.
-    let (mut low, mut high) = (40.0_f64, 1_000.0_f64);
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    for _ in 0..48 {
-        let [left, right] = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-        if distance(left) < distance(right) {
-            high = right;
-        } else {
-            low = left;
+    let square = |[own_u, own_v]: [f64; 2]| (own_u - u).powi(2) + (own_v - v).powi(2);
+    let nearest = (0..LOCUS.len()).min_by(|a, b| square(LOCUS[*a]).total_cmp(&square(LOCUS[*b])))?;
+    let mut mired = MIREDS.0 + STEP_MIRED * nearest as f64;
+    // The squared distance is a parabola, the better the nearer its least value is.
+    for step in [0.5 * STEP_MIRED, 0.02 * STEP_MIRED, 2e-4 * STEP_MIRED] {
+        let [below, here, above] = [-step, 0.0, step].map(|by| square(black_body_uv(mired + by)));
+        let bend = below - 2.0 * here + above;
+        if bend > 0.0 {
+            mired += (0.5 * step * (below - above) / bend).clamp(-STEP_MIRED, STEP_MIRED);
         }
     }
-    let mired = 0.5 * (low + high);
-    (distance(mired) < 0.05).then_some(1e6 / mired)
+    let mired = mired.clamp(MIREDS.0, MIREDS.1);
+    (square(black_body_uv(mired)) < MAX_DISTANCE * MAX_DISTANCE).then_some(1e6 / mired)
 }
 
 #[cfg(test)]

@@ -24,13 +24,13 @@ impl SpectralRule {
     /// there are.
     pub fn new(light: &Spectrum, response: &Spectrum) -> Self {
         let exact = Self::exact(light, response);
-        let trials = trial_kernels();
+        let trials: Vec<_> =
+            trial_kernels().into_iter().map(|kernel| (kernel, exact.value(kernel))).collect();
         let mut rule = Self { points: Vec::new() };
         for count in POINTS {
             rule = Self::of_points(light, response, count);
-            let is_fine = trials.iter().all(|kernel| {
-                (rule.value(*kernel) - exact.value(*kernel)).abs() <= TOLERANCE * exact.value(*kernel)
-            });
+            let is_fine =
+                trials.iter().all(|(kernel, exact)| (rule.value(*kernel) - exact).abs() <= TOLERANCE * exact);
             if is_fine {
                 break;
             }
