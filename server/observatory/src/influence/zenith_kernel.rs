@@ -44,8 +44,7 @@ impl KernelRange {
 /// The table for a request's air, lamps and emission; its grid, place and altitude do not matter. The turbidity is to be one of
 /// the packs': between them skies are no sums over lights.
 ///
-/// * `rule`: what sees the light; of each light by itself, so that sums over lights of different colour at the eye are a little too
-///   dark.
+/// * `rule`: what sees the light, of each light by itself: lights of different colour at the eye do not quite add up.
 /// * `skylines`: whether lights behind skylines are to be told apart, which the packs must know.
 ///
 /// # Errors
