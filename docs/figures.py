@@ -130,7 +130,7 @@ def plan(**body):
 
 
 def main():
-    scale = {"min": 3e-5, "max": 3e-3, "width": 640, "height_px": 240}
+    scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}
     region = "20,1;65,1;65,25;20,25"
     sheet("whose-light", [[
         (map_of("influence", **SITE, **OPEN), "whose light is at the zenith"),
