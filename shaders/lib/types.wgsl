@@ -1,6 +1,6 @@
 // Types shared with the host. A test compares their layout with server/render/src/twin/types.rs.
 
-const BAND_COUNT: u32 = 3u;
+const BAND_COUNT: u32 = 4u;
 // Bands that the channels of one texel hold; those beyond the last band are 0.
 const MAX_BAND_COUNT: u32 = 4u;
 const LOBE_COUNT: u32 = 3u;

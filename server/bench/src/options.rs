@@ -9,7 +9,7 @@ use skyglow_tables::{Manifest, ResidentTables, Scattering};
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 /// Flux of the bands per DNB flux that skies are compared at, and stored reference skies have: sodium and LED, half of each.
-pub const REFERENCE_FLUX: [f64; BAND_COUNT] = [0.408, 0.642, 0.186];
+pub const REFERENCE_FLUX: [f64; BAND_COUNT] = [0.26, 0.50, 0.34, 0.13];
 
 /// What to run.
 #[derive(Clone, Debug)]

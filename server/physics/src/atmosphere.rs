@@ -8,12 +8,14 @@ use crate::{
 };
 use serde::Serialize;
 
-/// Scale height of the molecules, metres.
-pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
+/// Scale height of the molecules, metres: vertical optical depth over extinction at sea level (Bucholtz 1995, US Standard).
+pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_430.0;
 /// Scale height of the aerosol, metres.
 pub const AEROSOL_SCALE_HEIGHT_M: f64 = 1_200.0;
-/// Molecular extinction at z = 0 and 550 nm, m⁻¹.
-pub const MOLECULE_EXTINCTION_550_PER_M: f64 = 13.558e-6;
+/// Molecular extinction at z = 0 and 550 nm, m⁻¹ (Bucholtz 1995): 0.0973 vertically.
+pub const MOLECULE_EXTINCTION_550_PER_M: f64 = 1.154e-5;
+/// Power of the wavelength that molecular extinction falls with (Bucholtz 1995).
+pub const MOLECULE_WAVELENGTH_POWER: f64 = 4.05;
 /// Single-scattering albedo of the aerosol (of the molecules it is 1).
 pub const AEROSOL_ALBEDO: f64 = 0.9;
 
@@ -43,7 +45,7 @@ impl Turbidity {
 }
 
 impl Default for Turbidity {
-    /// 2.5, a clear night: zenith extinction 0.29 mag.
+    /// 2.5, a clear night: zenith extinction 0.26 mag.
     fn default() -> Self {
         Self(2.5)
     }
@@ -59,8 +61,8 @@ pub struct Atmosphere {
 }
 
 impl Atmosphere {
-    /// The atmosphere at a turbidity under a clear sky: β_m(λ) = β_m(550)·(550/λ)⁴,
-    /// β_a(λ) = (T − 1)·β_m(550)·(8.0/1.2)·(550/λ)^1.3.
+    /// The atmosphere at a turbidity under a clear sky: β_m(λ) = β_m(550)·(550/λ)^4.05,
+    /// β_a(λ) = (T − 1)·β_m(550)·(8.43/1.2)·(550/λ)^1.3.
     pub fn new(turbidity: Turbidity) -> Self {
         Self::at(turbidity, Band::ALL.map(Band::wavelength_nm))
     }
@@ -75,7 +77,7 @@ impl Atmosphere {
         Self {
             turbidity,
             molecule_extinction_per_m: wavelengths_nm
-                .map(|nm| MOLECULE_EXTINCTION_550_PER_M * relative(nm, 4.0)),
+                .map(|nm| MOLECULE_EXTINCTION_550_PER_M * relative(nm, MOLECULE_WAVELENGTH_POWER)),
             aerosol_extinction_per_m: wavelengths_nm.map(|nm| aerosol_550 * relative(nm, 1.3)),
             cloud: None,
         }
@@ -130,21 +132,21 @@ mod tests {
             let depth = Atmosphere::new(Turbidity::new(t).unwrap()).vertical_optical_depth(0.0);
             let clean = Atmosphere::new(Turbidity::new(1.0).unwrap()).vertical_optical_depth(0.0);
             for band in Band::ALL {
-                let haze = (550.0 / band.wavelength_nm()).powf(1.3 - 4.0) * (t - 1.0);
+                let haze = (550.0 / band.wavelength_nm()).powf(1.3 - MOLECULE_WAVELENGTH_POWER) * (t - 1.0);
                 assert!((depth[band.index()] / clean[band.index()] - (1.0 + haze)).abs() < 1e-12);
             }
         }
     }
 
-    /// A clear night costs 0.29 magnitudes at the zenith.
+    /// A clear night costs 0.26 magnitudes at the zenith.
     #[test]
-    fn clear_zenith_extinction_is_0_29_mag() {
+    fn clear_zenith_extinction_is_0_26_mag() {
         let air = Atmosphere::new(Turbidity::default());
         let [molecules, aerosol] =
-            [(air.molecule_extinction_per_m, 4.0), (air.aerosol_extinction_per_m, 1.3)]
+            [(air.molecule_extinction_per_m, MOLECULE_WAVELENGTH_POWER), (air.aerosol_extinction_per_m, 1.3)]
                 .map(|(per_m, power)| per_m[1] * (Band::ALL[1].wavelength_nm() / 550.0).powf(power));
         let depth = molecules * MOLECULE_SCALE_HEIGHT_M + aerosol * AEROSOL_SCALE_HEIGHT_M;
-        assert!((depth * 1.0857 - 0.29).abs() < 0.006, "{}", depth * 1.0857);
+        assert!((depth * 1.0857 - 0.264).abs() < 0.006, "{}", depth * 1.0857);
     }
 
     /// Turbidities 0 and 100 are refused with the range.

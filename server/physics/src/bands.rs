@@ -1,11 +1,11 @@
 //! The independent bands: how many there are, and what each is. All else follows from this file and the packs.
 
 /// Number of bands; the length of every per-band array, always in the order of [`Band::ALL`].
-pub const BAND_COUNT: usize = 3;
+pub const BAND_COUNT: usize = 4;
 
-/// Wavelength at which scattering is evaluated, nm, and luminous efficacy K_b of a watt, lm/W. Flux is counted over 600–700,
-/// 500–600 and 400–500 nm.
-const BANDS: [(f64, f64); BAND_COUNT] = [(680.0, 150.0), (550.0, 567.0), (440.0, 45.0)];
+/// Wavelength at which scattering is evaluated, nm, and luminous efficacy K_b of a watt, lm/W: the mean of 683·V(λ) over 635–700,
+/// 550–635, 475–550 and 400–475 nm.
+const BANDS: [(f64, f64); BAND_COUNT] = [(680.0, 43.0), (590.0, 470.0), (510.0, 382.0), (440.0, 21.0)];
 
 /// One of the independent channels. Scattering is evaluated at a single wavelength each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,9 +1,10 @@
 use super::*;
 use crate::{
     CloudBase, Turbidity, direct_sum::direct_sum, horizon::terrain_elevation_tangent, panorama::Direction,
-    spectrum::LampPreset,
 };
 
+/// Another flux in every band.
+const FLUX_PER_DNB_FLUX: [f64; crate::BAND_COUNT] = [0.4, 0.5, 0.3, 0.1];
 const OBSERVER_ALTITUDE_M: f64 = 300.0;
 const SOURCE_ALTITUDE_M: f64 = 120.0;
 const SOURCE_AZIMUTH_RAD: f64 = 0.7;
@@ -37,7 +38,7 @@ fn sky<'a>(sources: &'a [PointSource], directions: &'a [Direction]) -> SkySum<'a
         observer_altitude_m: OBSERVER_ALTITUDE_M,
         sources,
         emission: EmissionMix::garstang(),
-        flux_per_dnb_flux: LampPreset::Hps.lamp().flux_per_dnb_flux(),
+        flux_per_dnb_flux: FLUX_PER_DNB_FLUX,
         directions,
     }
 }

@@ -18,7 +18,7 @@ use skyglow_physics::{
 pub const FORMAT_VERSION: u32 = 5;
 /// Version of the physical model; raised when the images change. A pack of another one is refused: between packs of two models
 /// skies would be interpolated.
-pub const MODEL_VERSION: u32 = 6;
+pub const MODEL_VERSION: u32 = 7;
 
 /// The versions in a manifest, which decide whether the rest can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]

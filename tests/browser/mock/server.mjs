@@ -77,7 +77,7 @@ function answer(query) {
       scattering,
       clouds: "none",
       ground_albedo: scattering === "multiple" ? 0.15 : null,
-      local_optical_depth: [0.08, 0.15, 0.31],
+      local_optical_depth: [0.06, 0.12, 0.19, 0.31],
       warnings: warnings(place),
     },
   };

@@ -27,6 +27,12 @@ export function mountNumbers(store: AppStore): void {
   });
 }
 
+/** Optical depth near 550 nm, the middle between the nodes 590 and 510 nm in the logarithm. */
+function depthNear550(atNodes: readonly number[]): number {
+  const [, yellow = Number.NaN, green = Number.NaN] = atNodes;
+  return Math.sqrt(yellow * green);
+}
+
 /** A line of a list of numbers; `key` is for scripts and tests. */
 export function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
   const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
@@ -119,7 +125,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, uni
     row(say.brightest, withPrefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),
     row(say.observer, `${Math.round(answer.observer.altitude_m)}`, say.aboveSea, "altitude"),
     row(say.coverage, fixed(100 * answer.coverage, answer.coverage > 0.995 ? 0 : 1), "%", "coverage"),
-    row(say.air, fixed(answer.local_optical_depth[1] ?? NaN, 3), say.opticalDepth, "optical_depth"),
+    row(say.air, fixed(depthNear550(answer.local_optical_depth), 3), say.opticalDepth, "optical_depth"),
     row(words().assumptions.scattering, scatteringTitle(answer.scattering), "", "scattering", ground),
     row(words().assumptions.clouds, cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds)), "", "clouds"),
     row(say.terrainHides, terrainTitle(answer), "", "terrain_occlusion"),

@@ -10,7 +10,8 @@ use skyglow_observatory::{
     InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
 use skyglow_physics::{
-    Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe, Response, spectrum::Colour,
+    BAND_COUNT, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe, Response,
+    spectrum::Colour,
 };
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use std::collections::BTreeMap;
@@ -142,8 +143,8 @@ pub struct Assumptions {
     pub calibration: f64,
     /// Turbidity at sea level.
     pub turbidity: f64,
-    /// Vertical optical depth above the observer in R, G, B.
-    pub local_optical_depth: [f64; 3],
+    /// Vertical optical depth above the observer at 680, 590, 510 and 440 nm.
+    pub local_optical_depth: [f64; BAND_COUNT],
     /// `single`: first order alone; `multiple`: all orders, with light that the ground sends back.
     pub scattering: String,
     /// Lambertian albedo of that ground; null where scattering is single.

@@ -14,7 +14,7 @@ use skyglow_app::{
     parameters::SkyParameters,
     request,
 };
-use skyglow_physics::{EmissionKeep, SkyQuantities};
+use skyglow_physics::{Band, EmissionKeep, SkyQuantities};
 use skyglow_scene::SceneId;
 
 /// Compute the numbers of the sky at a place
@@ -55,7 +55,11 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     };
     let or_clouds = |value: Option<String>| value.unwrap_or_else(|| "behind clouds".to_owned());
     let observer = &assumptions.observer;
-    let depth = assumptions.local_optical_depth;
+    let depth: Vec<String> = Band::ALL
+        .iter()
+        .zip(assumptions.local_optical_depth)
+        .map(|(band, depth)| format!("{depth:.3} at {} nm", band.wavelength_nm()))
+        .collect();
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let bound = assumptions
         .basis_error_bound
@@ -79,7 +83,7 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         ),
         row("observer", format!("{:.0} m above sea level", observer.altitude_m)),
         row("turbidity", format!("{} at sea level", assumptions.turbidity)),
-        row("optical depth there", format!("{:.3} {:.3} {:.3} (R, G, B)", depth[0], depth[1], depth[2])),
+        row("optical depth there", depth.join(", ")),
         row("scattering", scattering(assumptions)),
         row("clouds", clouds(assumptions)),
         row("lamp", assumptions.lamp.preset.clone().unwrap_or_else(|| "custom".to_owned())),

@@ -122,7 +122,7 @@ fn the_solver_agrees_with_light_traced_forward() {
 fn tracers_agree_on_any_number_of_threads() {
     let setting = setting(2.0, 1_000.0, 300.0, 0.5);
     let geometry = SourceGeometry { distance_m: 4e3, source_altitude_m: 1_000.0, observer_altitude_m: 300.0 };
-    let run = || check_both_tracers(setting, geometry, (1.0, 0.7), 20_000, 0.2);
+    let run = || check_both_tracers(setting, geometry, (1.0, 0.7), 40_000, 0.2);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(alone.install(run), run());
 }

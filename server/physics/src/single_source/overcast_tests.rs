@@ -86,7 +86,7 @@ fn base_light_is_its_irradiance_attenuated() {
             let extinction = |p: DVec3| {
                 let z = p.length() - EARTH_RADIUS_M;
                 let air = clear(turbidity);
-                air.molecule_extinction_per_m()[1] * (-z / 8_000.0).exp()
+                air.molecule_extinction_per_m()[1] * (-z / 8_430.0).exp()
                     + air.aerosol_extinction_per_m()[1] * (-z / 1_200.0).exp()
             };
             let middles = (0..steps).map(|i| a.lerp(b, (f64::from(i) + 0.5) / f64::from(steps)));

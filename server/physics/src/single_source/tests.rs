@@ -128,7 +128,7 @@ fn brute_force(atmosphere: &Atmosphere, geometry: &SourceGeometry, azimuth: f64,
     let view = DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
     let extinction = |p: DVec3| {
         let z = p.length() - EARTH_RADIUS_M;
-        let molecules = atmosphere.molecule_extinction_per_m()[1] * (-z / 8_000.0).exp();
+        let molecules = atmosphere.molecule_extinction_per_m()[1] * (-z / 8_430.0).exp();
         (molecules, atmosphere.aerosol_extinction_per_m()[1] * (-z / 1_200.0).exp())
     };
     let optical_depth = |a: DVec3, b: DVec3| {

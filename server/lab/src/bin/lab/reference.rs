@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         Choice::All => reference::<{ 7 * BAND_COUNT }>(&[1.5, 2.0, 2.5, 3.5, 4.0, 4.75, 6.0], arguments),
         Choice::Few => reference::<{ 3 * BAND_COUNT }>(&[1.5, 4.0, 6.0], arguments),
         Choice::Rest => reference::<{ 4 * BAND_COUNT }>(&[2.0, 2.5, 3.5, 4.75], arguments),
-        Choice::Between => reference::<6>(&[1.75, 4.0], arguments),
+        Choice::Between => reference::<{ 2 * BAND_COUNT }>(&[1.75, 4.0], arguments),
     }
 }
 
