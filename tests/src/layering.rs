@@ -1,5 +1,5 @@
 //! Which crate may use which: `cli → {http, bench}`, `http → app → {observatory, display}`, `observatory → render`, `bench → render`,
-//! `render → {tables, scene} → physics`, `display → physics`, and `lab` beside `cli`. A crate may use whatever lies below it, and nothing beside or above it.
+//! `render → {tables, scene} → physics`, `display → physics`, `app → celestial → physics`, and `lab` beside `cli`. A crate may use whatever lies below it, and nothing beside or above it.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 /// The layering of crates, as drawn in ARCHITECTURE.md.
 const LAYERING: &[(&str, &[&str])] = &[
     ("skyglow-physics", &[]),
+    ("skyglow-celestial", &["skyglow-physics"]),
     ("skyglow-tables", &["skyglow-physics"]),
     ("skyglow-scene", &["skyglow-physics"]),
     ("skyglow-render", &["skyglow-tables", "skyglow-scene"]),
-    ("skyglow-observatory", &["skyglow-render"]),
+    ("skyglow-observatory", &["skyglow-render", "skyglow-celestial"]),
     ("skyglow-bench", &["skyglow-render"]),
     ("skyglow-display", &["skyglow-physics"]),
     ("skyglow-app", &["skyglow-observatory", "skyglow-display"]),

@@ -23,6 +23,8 @@ fn a_dependency_upwards_is_seen() {
         ("skyglow-physics", "skyglow-render", "skyglow-physics must not use skyglow-render"),
         ("skyglow-render", "skyglow-http", "skyglow-render must not use skyglow-http"),
         ("skyglow-display", "skyglow-render", "skyglow-display must not use skyglow-render"),
+        ("skyglow-celestial", "skyglow-tables", "skyglow-celestial must not use skyglow-tables"),
+        ("skyglow-render", "skyglow-celestial", "skyglow-render must not use skyglow-celestial"),
         ("skyglow-bench", "skyglow-http", "skyglow-bench must not use skyglow-http"),
         ("skyglow-render", "skyglow-bench", "skyglow-render must not use skyglow-bench"),
         ("skyglow", "skyglow-lab", "skyglow must not use skyglow-lab"),

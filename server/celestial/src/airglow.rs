@@ -1,0 +1,113 @@
+//! Airglow: a thin layer at 90 km (van Rhijn 1921) whose brightness goes with the Sun's radio flux (Leinert et al. 1998, section 6).
+
+use crate::magnitudes::S10_MAG_ARCSEC2;
+use skyglow_physics::{
+    EARTH_RADIUS_M, Response,
+    photometry::luminance_from_brightness_cd_m2,
+    spectrum::{STEP_NM, Spectrum, wavelength_nm},
+};
+
+/// Height of the layer above sea level, m.
+pub const LAYER_HEIGHT_M: f64 = 90_000.0;
+
+/// Brightness at the zenith outside the lower air, S10 in V, for a solar radio flux at 10.7 cm, solar flux units.
+pub fn zenith_s10(solar_flux_sfu: f64) -> f64 {
+    90.0 + 0.43 * solar_flux_sfu
+}
+
+/// van Rhijn's factor: brightness over that of the zenith, for an observer so high, m. 0 below the horizontal plane, since a layer
+/// near the Earth has no beam from there.
+pub fn van_rhijn(sin_elevation: f64, altitude_m: f64) -> f64 {
+    if sin_elevation < 0.0 {
+        return 0.0;
+    }
+    let ratio = (EARTH_RADIUS_M + altitude_m) / (EARTH_RADIUS_M + LAYER_HEIGHT_M);
+    let sin2_zenith = (1.0 - sin_elevation * sin_elevation).max(0.0);
+    (1.0 - ratio * ratio * sin2_zenith).sqrt().recip()
+}
+
+/// A line or band: its middle and its full width, nm, and its intensity, rayleigh.
+type Feature = (f64, f64, f64);
+
+/// Round typical intensities. Lines: oxygen 557.7, 630.0 and 636.4 nm, sodium 589.3 nm; bands of OH (upper and lower vibration beside
+/// each) and the oxygen band at 864.5 nm.
+const FEATURES: [Feature; 14] = [
+    (557.7, 0.0, 250.0),
+    (589.3, 0.0, 60.0),
+    (630.0, 0.0, 100.0),
+    (636.4, 0.0, 33.0),
+    // 8-2, 5-0 and 9-3, 6-1.
+    (590.0, 15.0, 25.0),
+    (620.0, 20.0, 60.0),
+    (653.0, 20.0, 120.0),
+    // 7-2, 8-3, 4-0, 9-4, 5-1.
+    (690.0, 25.0, 230.0),
+    (735.0, 25.0, 400.0),
+    (754.0, 20.0, 100.0),
+    (781.0, 25.0, 600.0),
+    (797.0, 20.0, 250.0),
+    // 6-2 and the oxygen band.
+    (841.0, 25.0, 800.0),
+    (865.0, 10.0, 300.0),
+];
+
+/// The continuum, rayleigh nm⁻¹: 3 from 400 to 700 nm (Leinert et al. 1998), rising beyond.
+fn continuum_r_nm(wavelength_nm: f64) -> f64 {
+    3.0 + 7.0 * ((wavelength_nm - 700.0) / 200.0).clamp(0.0, 1.0)
+}
+
+/// Spectral radiance of airglow of 1 S10 in V, W m⁻² sr⁻¹ nm⁻¹. A line stands in the two samples beside it.
+pub fn spectrum_s10() -> Spectrum {
+    let mut photons = Spectrum::from_fn(continuum_r_nm);
+    for (middle_nm, width_nm, rayleigh) in FEATURES {
+        // Triangles, none narrower than what two samples make of a line.
+        let half_nm = (0.5 * width_nm).max(STEP_NM);
+        let shape = Spectrum::from_fn(|nm| (1.0 - (nm - middle_nm).abs() / half_nm).max(0.0));
+        let sum_nm: f64 = shape.0.iter().sum::<f64>() * STEP_NM;
+        photons = photons.sum(&shape.scaled(rayleigh / sum_nm));
+    }
+    // Energy of a photon goes with 1/λ.
+    for (sample, value) in photons.0.iter_mut().enumerate() {
+        *value /= wavelength_nm(sample);
+    }
+    let luminance = luminance_from_brightness_cd_m2(S10_MAG_ARCSEC2);
+    photons.scaled(luminance / Response::JohnsonV.value_of(&photons))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// 1 at the zenith, 3.5 at 15° and 6 on the horizon for a layer at 90 km.
+    #[test]
+    fn the_layer_brightens_to_the_horizon() {
+        assert!((van_rhijn(1.0, 0.0) - 1.0).abs() < 1e-15);
+        for (elevation_deg, factor) in [(45.0_f64, 1.39), (30.0, 1.92), (15.0, 3.28), (0.0, 6.03)] {
+            let found = van_rhijn(elevation_deg.to_radians().sin(), 0.0);
+            assert!((found / factor - 1.0).abs() < 0.01, "{elevation_deg}: {found}");
+        }
+        assert_eq!(van_rhijn(-1e-9, 2_000.0), 0.0);
+    }
+
+    /// The intensities as they stand are about what the layer gives at solar minimum: 1 R nm⁻¹ at 530 nm is 23 S10.
+    #[test]
+    fn intensities_fit_the_brightness() {
+        let sample = (550.0 - 380.0) / STEP_NM;
+        let continuum = continuum_r_nm(550.0);
+        let per_s10 = spectrum_s10().0[sample as usize];
+        // Rayleigh to W m⁻² sr⁻¹: 10¹⁰/4π photons of hc/λ.
+        let w_m2_sr = continuum * 1e10 / (4.0 * std::f64::consts::PI) * 1.986_445_86e-25 / 550e-9;
+        let s10 = w_m2_sr / per_s10;
+        assert!((100.0..200.0).contains(&s10), "{s10}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_layer_is_monotonous(low in 0.0..1.0_f64, high in 0.0..1.0_f64, altitude_m in 0.0..9_000.0_f64) {
+            prop_assume!(low < high);
+            prop_assert!(van_rhijn(low, altitude_m) >= van_rhijn(high, altitude_m));
+            prop_assert!(van_rhijn(low, altitude_m + 10.0) >= van_rhijn(low, altitude_m));
+        }
+    }
+}
