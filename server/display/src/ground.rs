@@ -61,16 +61,20 @@ impl<'a> GroundMap<'a> {
         Self { horizon, shown, size_px, tops_rad: Vec::new(), highest_rad: f64::NEG_INFINITY }
     }
 
-    /// Whether the next pixel shows ground that hides the sky, or lies below such ground.
-    pub(crate) fn is_ground(&mut self, direction: Option<Direction>) -> bool {
-        let Some(horizon) = self.horizon else { return false };
-        let shown = match direction {
+    /// What a direction shows; None where nothing hides the sky.
+    #[inline]
+    pub(crate) fn shown(&self, direction: Option<Direction>) -> Option<Shown> {
+        let horizon = self.horizon?;
+        Some(match direction {
             Some(direction) if horizon.hides(direction) => Shown::Ground,
             Some(direction) if direction.elevation_rad >= 0.0 => Shown::Sky,
             _ => Shown::Nothing,
-        };
-        self.shown.push(shown);
-        shown == Shown::Ground
+        })
+    }
+
+    /// Keeps what the next pixels show.
+    pub(crate) fn keep(&mut self, shown: &[Shown]) {
+        self.shown.extend_from_slice(shown);
     }
 
     /// Looks along the columns of an equirectangular picture, before [`Self::next_row`].

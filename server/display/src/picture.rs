@@ -13,6 +13,7 @@ use crate::{
     sampler::{Sampler, taps},
 };
 use image::{Rgb, RgbImage};
+use rayon::prelude::*;
 use skyglow_physics::{Direction, Horizon, Response, SKY_RESPONSES, SeenSky};
 
 /// What is neither sky nor ground that hides it: below an open horizon, the corners of a fisheye, the legend's strip.
@@ -152,7 +153,7 @@ pub fn picture(
     Ok(canvas)
 }
 
-/// Every pixel by its own direction.
+/// Every pixel by its own direction, rows in parallel.
 fn paint_each(
     canvas: &mut RgbImage,
     offset_px: u32,
@@ -162,15 +163,35 @@ fn paint_each(
     ground: &mut GroundMap<'_>,
     beyond: &mut Beyond,
 ) {
-    for y in 0..options.height_px {
-        for x in 0..options.width_px {
-            let direction = view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            if ground.is_ground(direction) {
-                canvas.put_pixel(x + offset_px, y, Rgb(TERRAIN_RGB));
-            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, beyond)) {
-                canvas.put_pixel(x + offset_px, y, Rgb(rgb));
+    let row_bytes = 3 * canvas.width() as usize;
+    let known = &*ground;
+    let paint_row = |(y, row): (usize, &mut [u8])| {
+        let (mut all_shown, mut beyond) = (Vec::new(), Beyond::default());
+        let (pixels, _) = row[3 * offset_px as usize..].as_chunks_mut::<3>();
+        for (x, pixel) in (0..options.width_px).zip(pixels) {
+            let direction = view.direction_at(f64::from(x) + 0.5, y as f64 + 0.5);
+            let shown = known.shown(direction);
+            all_shown.extend(shown);
+            if shown == Some(Shown::Ground) {
+                *pixel = TERRAIN_RGB;
+            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
+                *pixel = rgb;
             }
         }
+        (all_shown, beyond)
+    };
+    let rows: Vec<(Vec<Shown>, Beyond)> = canvas
+        .as_flat_samples_mut()
+        .samples
+        .par_chunks_exact_mut(row_bytes)
+        .take(options.height_px as usize)
+        .enumerate()
+        .map(paint_row)
+        .collect();
+    for (shown, in_row) in rows {
+        ground.keep(&shown);
+        beyond.below |= in_row.below;
+        beyond.above |= in_row.above;
     }
 }
 

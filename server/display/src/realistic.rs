@@ -6,6 +6,9 @@ pub const EXPOSURE_RANGE_EV: (f64, f64) = (-12.0, 12.0);
 /// zenith of about 20.1 mag arcsec⁻². The natural sky is then a dark grey, a city's horizon white.
 pub const MIDDLE_GREY_LUMINANCE_CD_M2: f64 = 1e-3;
 
+/// Steps of display white with a byte known in advance: few enough bytes start within one that a search is short.
+const STEPS: usize = 2048;
+
 /// XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted.
 const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
     [3.240_454_2, -1.537_138_5, -0.498_531_4],
@@ -20,6 +23,8 @@ pub struct ToneMap {
     reference_luminance_cd_m2: f64,
     /// The sRGB curve inverted: byte `i + 1` starts at `byte_starts[i]`, of display white.
     byte_starts: [f64; 255],
+    /// Bytes of display white's `i / STEPS`, where a search begins.
+    first_byte: [u8; STEPS + 1],
 }
 
 impl ToneMap {
@@ -28,8 +33,11 @@ impl ToneMap {
         // 1 − exp(−x) is 0.18 at x = 0.198.
         let reference_luminance_cd_m2 =
             MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
-        let byte_starts = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
-        Self { reference_luminance_cd_m2, byte_starts }
+        let byte_starts: [f64; 255] = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
+        let first_byte = std::array::from_fn(|step| {
+            byte_starts.partition_point(|&start| start <= step as f64 / STEPS as f64) as u8
+        });
+        Self { reference_luminance_cd_m2, byte_starts, first_byte }
     }
 
     /// sRGB bytes of tristimulus values X, Y, Z [cd m⁻²] of the CIE 1931 observer.
@@ -56,9 +64,18 @@ impl ToneMap {
         inside.map(|channel| {
             let ratio = channel / brightest;
             let value = shown * (ratio + (1.0 - ratio) * whiteness);
-            // At most 255 starts lie below.
-            self.byte_starts.partition_point(|&start| start <= value) as u8
+            self.byte(value)
         })
+    }
+
+    /// The byte of a part of display white, 0..=1: the number of bytes that start at or below it.
+    #[inline]
+    fn byte(&self, value: f64) -> u8 {
+        let mut byte = self.first_byte[((value * STEPS as f64) as usize).min(STEPS)];
+        while self.byte_starts.get(usize::from(byte)).is_some_and(|&start| start <= value) {
+            byte += 1;
+        }
+        byte
     }
 }
 
@@ -79,6 +96,19 @@ mod tests {
     }
 
     /// Middle grey is 18 percent and every stop doubles the light.
+    /// The short search finds the byte of the whole one, at the starts themselves too.
+    #[test]
+    fn bytes_are_found_where_they_start() {
+        let map = ToneMap::new(0.0);
+        let whole = |value: f64| map.byte_starts.partition_point(|&start| start <= value) as u8;
+        let around = |start: &f64| [start.next_down(), *start, start.next_up()];
+        let even = (0..=10_000).map(|i| f64::from(i) / 1e4);
+        for value in map.byte_starts.iter().flat_map(around).chain(even).chain([1.0]) {
+            assert_eq!(map.byte(value), whole(value), "{value}");
+        }
+        assert_eq!((map.byte(0.0), map.byte(1.0)), (0, 255));
+    }
+
     #[test]
     fn middle_grey_is_18_percent_and_stops_double() {
         let grey = ToneMap::new(0.0).rgb(light_of(LampPreset::Neutral.lamp(), MIDDLE_GREY_LUMINANCE_CD_M2));
