@@ -9,6 +9,7 @@
 
 pub mod atmosphere;
 pub mod bands;
+pub mod beam;
 pub mod blocked_source;
 pub mod blocking;
 pub mod chapman;

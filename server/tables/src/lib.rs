@@ -5,6 +5,7 @@
 
 pub mod axes;
 mod blocked;
+pub mod celestial;
 mod checkpoint;
 pub mod clouds;
 pub mod curvature;
@@ -27,12 +28,13 @@ mod training;
 
 pub use axes::{OffsetAxis, TableAxes};
 pub use blocked::{BlockedAxes, LaterAxes};
+pub use celestial::CelestialTable;
 pub use clouds::Clouds;
 pub use error::TablesError;
 pub use manifest::{Manifest, Scattering};
 pub use multiple::{MultipleAxes, MultipleTable};
 pub use options::{BasisCount, PrecomputeOptions};
-pub use pack::{Pack, packs_in};
+pub use pack::{Pack, celestial_tables_in, packs_in};
 pub use precompute::{precompute, precompute_together};
 pub use progress::{NoProgress, Progress};
 pub use resident::{ResidentBlocked, ResidentTables};

@@ -24,12 +24,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-mod reading;
+pub(crate) mod reading;
 
 const MAGIC: &[u8; 8] = b"SKYGLOW\x01";
 const HASH_LEN: usize = 32;
 /// File name ending of packs.
 pub const PACK_EXTENSION: &str = "skyglow";
+/// End of the names of celestial tables, before that ending.
+const CELESTIAL_NAME_END: &str = "-celestial";
 
 /// One turbidity's tables at their own sample points.
 #[derive(Clone, Debug)]
@@ -45,11 +47,36 @@ pub struct Pack {
     pub(crate) blocked: Option<BlockedTables>,
 }
 
-/// Packs in a folder, by file name.
+/// Packs in a folder, by file name; celestial tables are not among them.
 ///
 /// # Errors
 /// [`TablesError::Io`] when the folder cannot be read.
 pub fn packs_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
+    let mut files = files_in(folder)?;
+    files.retain(|path| !is_celestial(path));
+    Ok(files)
+}
+
+/// Celestial tables in a folder, by file name.
+///
+/// # Errors
+/// [`TablesError::Io`] when the folder cannot be read.
+pub fn celestial_tables_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
+    let mut files = files_in(folder)?;
+    files.retain(|path| is_celestial(path));
+    Ok(files)
+}
+
+/// File name of a celestial table, without folder.
+pub(crate) fn celestial_file_name(turbidity: f64) -> String {
+    format!("turbidity-{turbidity:.2}{CELESTIAL_NAME_END}.{PACK_EXTENSION}")
+}
+
+fn is_celestial(path: &Path) -> bool {
+    path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with(CELESTIAL_NAME_END))
+}
+
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, TablesError> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(TablesError::io(folder))? {
         let path = entry.map_err(TablesError::io(folder))?.path();
@@ -139,10 +166,6 @@ impl Pack {
 
     /// The file's bytes around a manifest; `path` is for errors. In the format that the manifest says.
     fn encoded(&self, json: &[u8], path: &Path) -> Result<Vec<u8>, TablesError> {
-        let mut bytes = Vec::new();
-        bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&(json.len() as u64).to_le_bytes());
-        bytes.extend_from_slice(json);
         let (exponents, shape) = to_steps(&self.shape, self.manifest.shape_layout());
         let mut sections: Vec<(&[u8], usize)> = vec![
             (bytemuck::cast_slice(&self.log_scale), 4),
@@ -159,13 +182,7 @@ impl Pack {
             sections.push((bytemuck::cast_slice(log_part), 4));
             sections.push((bytemuck::cast_slice(shape_less_open), 2));
         }
-        for (section, width) in sections {
-            let packed = zstd::bulk::compress(&shuffle(section, width), 19).map_err(TablesError::io(path))?;
-            bytes.extend_from_slice(&(packed.len() as u64).to_le_bytes());
-            bytes.extend_from_slice(&packed);
-        }
-        bytes.extend_from_slice(blake3::hash(&bytes).as_bytes());
-        Ok(bytes)
+        file_bytes(MAGIC, json, &sections).map_err(TablesError::io(path))
     }
 
     /// The pack on the rings of a polar grid: cubic interpolation in ln r at constant fractional offset node.
@@ -239,6 +256,24 @@ impl Pack {
         });
         shape
     }
+}
+
+/// A file of a magic, a manifest and compressed sections with the width of their values, as `reading` reads it.
+pub(crate) fn file_bytes(
+    magic: &[u8; 8],
+    json: &[u8],
+    sections: &[(&[u8], usize)],
+) -> std::io::Result<Vec<u8>> {
+    let mut bytes = magic.to_vec();
+    bytes.extend_from_slice(&(json.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(json);
+    for &(section, width) in sections {
+        let packed = zstd::bulk::compress(&shuffle(section, width), 19)?;
+        bytes.extend_from_slice(&(packed.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(&packed);
+    }
+    bytes.extend_from_slice(blake3::hash(&bytes).as_bytes());
+    Ok(bytes)
 }
 
 /// Writes under a temporary name, flushes to disk, renames.

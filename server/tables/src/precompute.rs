@@ -53,12 +53,7 @@ pub fn precompute_together(
     let mut turbidities = turbidities.to_vec();
     turbidities.sort_by(|a, b| a.value().total_cmp(&b.value()));
     turbidities.dedup();
-    for turbidity in turbidities.iter().map(|t| t.value()) {
-        // A pack's file is named by two decimals.
-        if (turbidity * 100.0 - (turbidity * 100.0).round()).abs() > 1e-9 {
-            return Err(TablesError::TooManyDecimals { turbidity });
-        }
-    }
+    check_decimals(&turbidities)?;
     std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
     let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| options.atmosphere(t)).collect();
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
@@ -117,6 +112,16 @@ pub fn precompute_together(
         packs.push(pack);
     }
     finish(options, &atmospheres, &multiple, packs, checkpoints, out, progress)
+}
+
+/// Files are named by two decimals.
+pub(crate) fn check_decimals(turbidities: &[Turbidity]) -> Result<(), TablesError> {
+    for turbidity in turbidities.iter().map(|t| t.value()) {
+        if (turbidity * 100.0 - (turbidity * 100.0).round()).abs() > 1e-9 {
+            return Err(TablesError::TooManyDecimals { turbidity });
+        }
+    }
+    Ok(())
 }
 
 /// The last stages, common to new packs and to those that lacked them: sources behind skylines, and the files.

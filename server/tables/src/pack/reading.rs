@@ -10,6 +10,7 @@ use crate::{
     packing::{from_distance_differences, from_steps, unshuffle},
     resident::FREQUENCY_COUNT,
 };
+use serde::de::DeserializeOwned;
 use skyglow_physics::{Band, ELEVATION_COUNT};
 use std::path::Path;
 
@@ -38,18 +39,8 @@ impl Pack {
     /// # Errors
     /// What is wrong with it.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        if bytes.len() < MAGIC.len() + 8 + HASH_LEN || &bytes[..MAGIC.len()] != MAGIC {
-            return Err("not a skyglow pack, or cut off at its start".to_owned());
-        }
-        let (body, hash) = bytes.split_at(bytes.len() - HASH_LEN);
-        if blake3::hash(body).as_bytes() != hash {
-            return Err(
-                "its checksum does not fit its content: it is truncated or altered; make it again with \
-                        `skyglow precompute`"
-                    .to_owned(),
-            );
-        }
-        let mut parts = Parts { rest: &body[MAGIC.len()..] };
+        let body = checked_body(bytes, MAGIC)?;
+        let mut parts = Parts::new(body);
         let manifest = read_manifest(parts.take("the manifest")?)?;
         let (axes, count) = (&manifest.axes, manifest.basis_count);
         // No axis is long enough for this to overflow.
@@ -61,9 +52,7 @@ impl Pack {
         let spectrum = parts.section("basis_spectrum", &[count, ELEVATION_COUNT, FREQUENCY_COUNT], 4)?;
         let basis_spectrum = bytemuck::pod_collect_to_vec::<u8, f32>(&spectrum);
         let blocked = manifest.blocked.as_ref().map(|axes| read_blocked(&mut parts, axes)).transpose()?;
-        if !parts.rest.is_empty() {
-            return Err("it goes on behind its last section".to_owned());
-        }
+        parts.end()?;
         let pack = Self { manifest, log_scale, shape, basis_spectrum, blocked };
         if pack.manifest.checksum != pack.checksum() {
             return Err("its data are not those of its manifest".to_owned());
@@ -78,7 +67,7 @@ impl Pack {
             return Some(manifest);
         }
         let bytes = std::fs::read(path).ok()?;
-        let mut parts = Parts { rest: bytes.get(MAGIC.len()..)? };
+        let mut parts = Parts::new(bytes.get(MAGIC.len()..)?);
         serde_json::from_slice(parts.take("the manifest").ok()?).ok()
     }
 
@@ -92,14 +81,37 @@ impl Pack {
     }
 }
 
+/// What is between the magic of a file and the hash at its end, which must be that of all before it.
+pub(crate) fn checked_body<'a>(bytes: &'a [u8], magic: &[u8; 8]) -> Result<&'a [u8], String> {
+    if bytes.len() < magic.len() + 8 + HASH_LEN || !bytes.starts_with(magic) {
+        return Err("not a skyglow pack, or cut off at its start".to_owned());
+    }
+    let (body, hash) = bytes.split_at(bytes.len() - HASH_LEN);
+    if blake3::hash(body).as_bytes() != hash {
+        return Err("its checksum does not fit its content: it is truncated or altered; make it again with \
+                    `skyglow precompute`"
+            .to_owned());
+    }
+    Ok(&body[magic.len()..])
+}
+
 /// What is left of a pack's content.
-struct Parts<'a> {
+pub(crate) struct Parts<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Parts<'a> {
+    pub(crate) fn new(body: &'a [u8]) -> Self {
+        Self { rest: body }
+    }
+
+    /// Nothing may follow.
+    pub(crate) fn end(&self) -> Result<(), String> {
+        if self.rest.is_empty() { Ok(()) } else { Err("it goes on behind its last section".to_owned()) }
+    }
+
     /// The bytes behind the next length.
-    fn take(&mut self, what: &str) -> Result<&'a [u8], String> {
+    pub(crate) fn take(&mut self, what: &str) -> Result<&'a [u8], String> {
         let cut_off = || format!("{what} is cut off");
         let (length, tail) = self.rest.split_first_chunk::<8>().ok_or_else(cut_off)?;
         let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut_off())?;
@@ -109,7 +121,7 @@ impl<'a> Parts<'a> {
     }
 
     /// The next section unpacked: values of `width` bytes, as many as the product of the counts.
-    fn section(&mut self, what: &str, counts: &[usize], width: usize) -> Result<Vec<u8>, String> {
+    pub(crate) fn section(&mut self, what: &str, counts: &[usize], width: usize) -> Result<Vec<u8>, String> {
         let expected = counts
             .iter()
             .try_fold(width, |bytes, count| bytes.checked_mul(*count))
@@ -193,14 +205,17 @@ fn read_blocked(parts: &mut Parts, axes: &BlockedAxes) -> Result<BlockedTables, 
 }
 
 /// The manifest beside a pack must be the pack's own.
-fn check_beside(path: &Path, manifest: &Manifest) -> Result<(), TablesError> {
+pub(crate) fn check_beside<M: DeserializeOwned + PartialEq>(
+    path: &Path,
+    manifest: &M,
+) -> Result<(), TablesError> {
     let beside = path.with_extension("json");
     let text = match std::fs::read(&beside) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(TablesError::io(&beside)(error)),
     };
-    match serde_json::from_slice::<Manifest>(&text) {
+    match serde_json::from_slice::<M>(&text) {
         Ok(other) if &other == manifest => Ok(()),
         Ok(_) => Err(TablesError::Refused {
             path: path.to_owned(),
