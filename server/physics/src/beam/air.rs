@@ -3,16 +3,17 @@
 
 use super::ozone;
 use crate::{
-    atmosphere::{AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_SCALE_HEIGHT_M, Turbidity},
+    atmosphere::{
+        AEROSOL_ALBEDO, AEROSOL_SCALE_HEIGHT_M, MOLECULE_EXTINCTION_550_PER_M, MOLECULE_SCALE_HEIGHT_M,
+        MOLECULE_WAVELENGTH_POWER, Turbidity,
+    },
     bands::{BAND_COUNT, Band},
     phase::{AEROSOL_ASYMMETRY, henyey_greenstein_per_sr, rayleigh_per_sr},
 };
 use std::sync::LazyLock;
 
-/// Vertical optical depth of molecules over sea level at 550 nm (Bucholtz 1995).
-const MOLECULE_DEPTH_550: f64 = 0.0973;
-/// Power of the wavelength in the scattering of molecules (Bucholtz 1995).
-const MOLECULE_POWER: f64 = 4.05;
+/// Vertical optical depth of molecules over sea level at 550 nm (Bucholtz 1995), as lamps have it.
+const MOLECULE_DEPTH_550: f64 = MOLECULE_EXTINCTION_550_PER_M * MOLECULE_SCALE_HEIGHT_M;
 /// Power of the wavelength in the extinction of aerosol, as lamps have it.
 const AEROSOL_POWER: f64 = 1.3;
 /// Refractive index of the air at sea level and 15 °C less 1, at 550 nm (Ciddor 1996); others differ by 1 %.
@@ -141,7 +142,7 @@ impl BeamAir {
             profile,
             is_refracting,
             molecules_per_m: wavelengths_nm
-                .map(|nm| extinction_550_per_m * (550.0 / nm).powf(MOLECULE_POWER)),
+                .map(|nm| extinction_550_per_m * (550.0 / nm).powf(MOLECULE_WAVELENGTH_POWER)),
             aerosol_per_m: wavelengths_nm.map(|nm| aerosol_550_per_m * (550.0 / nm).powf(AEROSOL_POWER)),
             ozone_per_m: wavelengths_nm.map(|nm| ozone * ozone::densest_extinction_per_m(nm)),
         }

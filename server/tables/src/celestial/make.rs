@@ -2,7 +2,7 @@
 
 use super::{
     CelestialTable, LOG_STEP,
-    manifest::{CelestialAxes, CelestialError, CelestialManifest},
+    manifest::{BeamSkyError, CelestialAxes, CelestialManifest},
 };
 use crate::{error::TablesError, progress::Progress};
 use rayon::prelude::*;
@@ -144,7 +144,7 @@ fn direct(field: &BeamField, axes: &CelestialAxes) -> (Vec<f32>, Vec<f32>) {
 }
 
 /// Compares a table with its field at low-discrepancy points (additive recurrence, Roberts 2018).
-fn measure_error(table: &CelestialTable, field: &BeamField) -> CelestialError {
+fn measure_error(table: &CelestialTable, field: &BeamField) -> BeamSkyError {
     let axes = &table.manifest.axes;
     let largest_m = axes.observer_altitude_m[axes.observer_altitude_m.len() - 1];
     let largest_deg = axes.zenith_angle_deg[axes.zenith_angle_deg.len() - 1];
@@ -182,7 +182,7 @@ fn measure_error(table: &CelestialTable, field: &BeamField) -> CelestialError {
     let mut sorted: Vec<f64> = errors.iter().map(|error| error.1).collect();
     sorted.sort_by(f64::total_cmp);
     let at_zenith = errors.iter().filter(|error| error.0 == ELEVATION_COUNT - 1).map(|error| error.1);
-    CelestialError {
+    BeamSkyError {
         samples: sorted.len(),
         relative_to: "the radiance of the solver itself in the same direction".to_owned(),
         mean: sorted.iter().sum::<f64>() / sorted.len() as f64,

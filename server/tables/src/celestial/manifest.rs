@@ -64,7 +64,7 @@ impl CelestialAxes {
 
 /// Error of a table against the solver itself, at zenith angles, altitudes and directions between its sample points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CelestialError {
+pub struct BeamSkyError {
     /// Directions times bands tried.
     pub samples: usize,
     /// What the error is relative to.
@@ -101,7 +101,7 @@ pub struct CelestialManifest {
     /// Layout and unit of each section.
     pub sections: Vec<String>,
     /// Error against the solver.
-    pub measured_error: CelestialError,
+    pub measured_error: BeamSkyError,
     /// BLAKE3 of the sections, hexadecimal.
     pub checksum: String,
     /// The command that makes this table.
@@ -135,7 +135,7 @@ impl CelestialManifest {
             ]
             .map(str::to_owned)
             .to_vec(),
-            measured_error: CelestialError::default(),
+            measured_error: BeamSkyError::default(),
             checksum: String::new(),
             command: format!("skyglow precompute --turbidity {turbidity} --part celestial{albedo}"),
         }
