@@ -199,8 +199,9 @@ parameters! {
     ELEVATION = "elevation", Kind::Number { minimum: -90.0, maximum: 90.0, unit: DEGREES }, "20", false;
     /// Horizontal field of view of a perspective.
     FOV = "fov", Kind::Number { minimum: 1.0, maximum: 150.0, unit: DEGREES }, "90", false;
-    /// False colour on a fixed scale, or realistic at a fixed exposure.
-    STYLE = "style", Kind::Choice(&["false_colour", "realistic"]), "false_colour", false;
+    /// False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to
+    /// the night: with the natural sky, unless `sky` says otherwise.
+    STYLE = "style", Kind::Choice(&["false_colour", "realistic", "eye"]), "false_colour", false;
     /// Colour map of false colour, all readable without colour vision.
     COLORMAP = "colormap", Kind::Choice(&["inferno", "magma", "plasma", "viridis", "cividis", "grey"]), "inferno", false;
     /// Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻².
@@ -215,7 +216,7 @@ parameters! {
         allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min",
         pattern: A_NUMBER,
     }, "", false;
-    /// Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey.
+    /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
     /// Width of the sky in the picture; the default depends on projection and format.
     WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;

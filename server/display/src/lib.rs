@@ -10,10 +10,12 @@
 //!
 //! [`SeenSky`]: skyglow_physics::SeenSky
 
+pub mod bodies;
 pub mod colormap;
 mod colour_bins;
 pub mod encode;
 pub mod error;
+pub mod eye;
 pub mod false_colour;
 #[cfg(test)]
 mod fixtures;
@@ -30,12 +32,13 @@ pub mod sampler;
 mod text;
 pub mod tile;
 
+pub use bodies::{Disc, PointLight, SkyBodies};
 pub use colormap::Colormap;
 pub use encode::{encode_exr, encode_png, encode_tiff, encode_webp};
 pub use error::DisplayError;
 pub use false_colour::{ColourRange, Scale};
 pub use notes::Notes;
 pub use options::{PictureOptions, Projection, Sky, Style};
-pub use picture::picture;
+pub use picture::{picture, picture_with};
 pub use raster::{FloatRaster, raster};
 pub use sampler::Sampler;

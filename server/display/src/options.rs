@@ -117,6 +117,11 @@ pub enum Style {
         /// What the map's ends mean.
         range: ColourRange,
     },
+    /// As the eye sees it that is adapted to the night.
+    Eye {
+        /// Stops above that eye, [`EXPOSURE_RANGE_EV`].
+        exposure_ev: f64,
+    },
     /// As a camera with a fixed exposure would show it.
     Realistic {
         /// Stops above the reference exposure, [`EXPOSURE_RANGE_EV`].
@@ -173,7 +178,7 @@ impl PictureOptions {
         self.projection.check()?;
         match self.style {
             Style::FalseColour { range, .. } => range.check(),
-            Style::Realistic { exposure_ev } => {
+            Style::Realistic { exposure_ev } | Style::Eye { exposure_ev } => {
                 check("exposure", exposure_ev, EXPOSURE_RANGE_EV.0, EXPOSURE_RANGE_EV.1, " EV")
             }
         }

@@ -1,10 +1,12 @@
 //! Pictures for eyes.
 
 use crate::{
+    bodies::{BodyRows, SkyBodies},
     colormap::TABLE_LEN,
     colour_bins::ColourBins,
     error::DisplayError,
-    ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
+    eye::{Eye, Seen},
+    ground::{DARK_TERRAIN_RGB, GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     options::{PictureOptions, Projection, Style},
     panels::{Columns, Row},
@@ -27,6 +29,12 @@ enum Painter<'a> {
         bins: Box<ColourBins>,
         ends_cd_m2: (f64, f64),
     },
+    Eye {
+        sampler: Sampler<'a, 4>,
+        /// Linear sRGB that the eye makes of every sample of the grid: between them colours are interpolated.
+        linear: Vec<[f32; 3]>,
+        eye: Box<Eye>,
+    },
     Realistic {
         sampler: Sampler<'a>,
         tone_map: Box<ToneMap>,
@@ -48,6 +56,18 @@ impl<'a> Painter<'a> {
                     ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
                     bins: Box::new(ColourBins::new((dark, bright))),
                 }
+            }
+            Style::Eye { exposure_ev } => {
+                let [x, y, z, scotopic] = SKY_RESPONSES.each_ref().map(plane);
+                let planes = [x?, y?, z?, scotopic?];
+                let added = SKY_RESPONSES.each_ref().map(|response| options.sky.added(response));
+                let eye = Box::new(Eye::new(exposure_ev));
+                let of_sample = |at: usize| -> [f32; 3] {
+                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + added[i]);
+                    eye.linear(seen).map(|channel| channel as f32)
+                };
+                let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
+                Painter::Eye { sampler: Sampler::new(planes, added), linear, eye }
             }
             Style::Realistic { exposure_ev } => {
                 let [x, y, z, _] = &SKY_RESPONSES;
@@ -73,10 +93,37 @@ impl<'a> Painter<'a> {
                 beyond.note(luminance, *ends_cd_m2);
                 Some(table[bins.entry(luminance)])
             }
+            Painter::Eye { linear, eye, .. } => {
+                let taps = taps(direction)?;
+                let [a, b, c, d] = taps.offset.map(|at| linear[at]);
+                let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);
+                let channel = |i: usize| of_a * a[i] + of_b * b[i] + of_c * c[i] + of_d * d[i];
+                Some(eye.encoded(std::array::from_fn(|i| f64::from(channel(i)))))
+            }
             Painter::Realistic { sampler, tone_map } => {
                 sampler.values(direction).map(|xyz_cd_m2| tone_map.rgb(xyz_cd_m2))
             }
         }
+    }
+
+    /// The colour of a direction with the light of a body before it.
+    fn rgb_with(&self, direction: Direction, body: Seen) -> Option<[u8; 3]> {
+        match self {
+            Painter::Eye { sampler, eye, .. } => {
+                let sky = sampler.values(direction)?;
+                Some(eye.encoded(eye.linear(std::array::from_fn(|i| sky[i] + body[i]))))
+            }
+            Painter::Realistic { sampler, tone_map } => {
+                let sky = sampler.values(direction)?;
+                Some(tone_map.rgb(std::array::from_fn(|i| sky[i] + body[i])))
+            }
+            Painter::FalseColour { .. } => None,
+        }
+    }
+
+    /// The colour of ground that hides the sky.
+    fn terrain_rgb(&self) -> [u8; 3] {
+        if matches!(self, Painter::Eye { .. }) { DARK_TERRAIN_RGB } else { TERRAIN_RGB }
     }
 }
 
@@ -87,6 +134,20 @@ impl<'a> Painter<'a> {
 /// # Errors
 /// [`DisplayError`] naming the first option out of its range.
 pub fn picture(
+    seen: &SeenSky,
+    response: &Response,
+    horizon: &Horizon,
+    options: &PictureOptions,
+) -> Result<RgbImage, DisplayError> {
+    picture_with(&SkyBodies::default(), seen, response, horizon, options)
+}
+
+/// [`picture`] with stars, planets, Moon and Sun before the sky, in the styles of the eye and the camera.
+///
+/// # Errors
+/// [`DisplayError`] naming the first option out of its range.
+pub fn picture_with(
+    bodies: &SkyBodies,
     seen: &SeenSky,
     response: &Response,
     horizon: &Horizon,
@@ -143,9 +204,27 @@ pub fn picture(
             }
         }
     } else {
-        paint_each(&mut canvas, offset_px, options, &view, &painter, &mut ground, &mut beyond);
+        let background = match &painter {
+            Painter::FalseColour { .. } => None,
+            Painter::Eye { sampler, .. } => Some(*sampler),
+            Painter::Realistic { .. } => {
+                let planes =
+                    SKY_RESPONSES.each_ref().map(|response| seen.seen_by(response).unwrap_or_default());
+                Some(Sampler::new(
+                    planes,
+                    SKY_RESPONSES.each_ref().map(|response| options.sky.added(response)),
+                ))
+            }
+        };
+        let size_px = (options.width_px, options.height_px);
+        let bodies = background.map(|background| BodyRows::new(bodies, &view, size_px, horizon, &background));
+        let row_of = |y: usize| bodies.as_ref().map_or(&[][..], |bodies| bodies.row(y));
+        paint_each(&mut canvas, (offset_px, options), &view, &painter, row_of, &mut ground, &mut beyond);
     }
-    ground.draw_skyline(&mut canvas, offset_px);
+    // By night the ground ends where the stars do.
+    if !matches!(painter, Painter::Eye { .. }) {
+        ground.draw_skyline(&mut canvas, offset_px);
+    }
     if options.legend {
         legend::draw_compass(&mut canvas, options, &view, offset_px)?;
         legend::draw_strip(&mut canvas, options, response, beyond)?;
@@ -154,12 +233,12 @@ pub fn picture(
 }
 
 /// Every pixel by its own direction, rows in parallel.
-fn paint_each(
+fn paint_each<'b>(
     canvas: &mut RgbImage,
-    offset_px: u32,
-    options: &PictureOptions,
+    (offset_px, options): (u32, &PictureOptions),
     view: &View,
     painter: &Painter<'_>,
+    bodies: impl Fn(usize) -> &'b [(u32, Seen)] + Sync,
     ground: &mut GroundMap<'_>,
     beyond: &mut Beyond,
 ) {
@@ -168,15 +247,21 @@ fn paint_each(
     let paint_row = |(y, row): (usize, &mut [u8])| {
         let (mut all_shown, mut beyond) = (Vec::new(), Beyond::default());
         let (pixels, _) = row[3 * offset_px as usize..].as_chunks_mut::<3>();
+        let mut before = bodies(y).iter().peekable();
         for (x, pixel) in (0..options.width_px).zip(pixels) {
             let direction = view.direction_at(f64::from(x) + 0.5, y as f64 + 0.5);
             let shown = known.shown(direction);
             all_shown.extend(shown);
+            let body = before.next_if(|(column, _)| *column == x);
             if shown == Some(Shown::Ground) {
-                *pixel = TERRAIN_RGB;
-            } else if let Some(rgb) = direction.and_then(|direction| painter.rgb(direction, &mut beyond)) {
-                *pixel = rgb;
+                *pixel = painter.terrain_rgb();
+                continue;
             }
+            let rgb = direction.and_then(|direction| match body {
+                Some((_, light)) => painter.rgb_with(direction, *light),
+                None => painter.rgb(direction, &mut beyond),
+            });
+            *pixel = rgb.unwrap_or(*pixel);
         }
         (all_shown, beyond)
     };
@@ -273,7 +358,15 @@ mod tests {
             );
             let view = View::new(options.projection, 640, 150);
             let mut slow = RgbImage::from_pixel(640, 150, Rgb(GROUND_RGB));
-            paint_each(&mut slow, 0, &options, &view, &painter, &mut ground, &mut Beyond::default());
+            paint_each(
+                &mut slow,
+                (0, &options),
+                &view,
+                &painter,
+                |_| &[],
+                &mut ground,
+                &mut Beyond::default(),
+            );
             ground.draw_skyline(&mut slow, 0);
             // Sums in another order may fall on the other side of a colour's start.
             let differing = fast.pixels().zip(slow.pixels()).filter(|(a, b)| a != b).count();

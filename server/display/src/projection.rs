@@ -43,6 +43,15 @@ impl View {
         0.5 * self.width_px.min(self.height_px)
     }
 
+    /// Angle that a pixel in the middle of the picture subtends along its height, radians.
+    pub fn pixel_rad(&self) -> f64 {
+        match (self.projection, self.camera) {
+            (Projection::Fisheye, _) => FRAC_PI_2 / self.fisheye_radius_px(),
+            (_, Some((_, focal_length_px))) => 1.0 / focal_length_px,
+            _ => FRAC_PI_2 / self.height_px,
+        }
+    }
+
     /// The direction seen at a position in pixels; None where the projection shows no direction. Directions
     /// below the horizon are returned as such (negative elevation); azimuths are not wrapped.
     pub fn direction_at(&self, x_px: f64, y_px: f64) -> Option<Direction> {

@@ -10,7 +10,7 @@ pub const MIDDLE_GREY_LUMINANCE_CD_M2: f64 = 1e-3;
 const STEPS: usize = 2048;
 
 /// XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted.
-const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
+pub(crate) const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
     [3.240_454_2, -1.537_138_5, -0.498_531_4],
     [-0.969_266_0, 1.876_010_8, 0.041_556_0],
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
@@ -21,10 +21,38 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
 pub struct ToneMap {
     /// Scene luminance that counts as 1 before the film curve, cd m⁻².
     reference_luminance_cd_m2: f64,
-    /// The sRGB curve inverted: byte `i + 1` starts at `byte_starts[i]`, of display white.
-    byte_starts: [f64; 255],
+    bytes: SrgbBytes,
+}
+
+/// sRGB bytes by parts of display white.
+#[derive(Clone, Debug)]
+pub(crate) struct SrgbBytes {
+    /// The sRGB curve inverted: byte `i + 1` starts at `starts[i]`, of display white.
+    starts: [f64; 255],
     /// Bytes of display white's `i / STEPS`, where a search begins.
-    first_byte: [u8; STEPS + 1],
+    first: [u8; STEPS + 1],
+}
+
+impl Default for SrgbBytes {
+    fn default() -> Self {
+        let starts: [f64; 255] = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
+        let first = std::array::from_fn(|step| {
+            starts.partition_point(|&start| start <= step as f64 / STEPS as f64) as u8
+        });
+        Self { starts, first }
+    }
+}
+
+impl SrgbBytes {
+    /// The byte of a part of display white, 0..=1: the number of bytes that start at or below it.
+    #[inline]
+    pub(crate) fn of(&self, value: f64) -> u8 {
+        let mut byte = self.first[((value * STEPS as f64) as usize).min(STEPS)];
+        while self.starts.get(usize::from(byte)).is_some_and(|&start| start <= value) {
+            byte += 1;
+        }
+        byte
+    }
 }
 
 impl ToneMap {
@@ -33,11 +61,7 @@ impl ToneMap {
         // 1 − exp(−x) is 0.18 at x = 0.198.
         let reference_luminance_cd_m2 =
             MIDDLE_GREY_LUMINANCE_CD_M2 / -(1.0f64 - 0.18).ln() / exposure_ev.exp2();
-        let byte_starts: [f64; 255] = std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0));
-        let first_byte = std::array::from_fn(|step| {
-            byte_starts.partition_point(|&start| start <= step as f64 / STEPS as f64) as u8
-        });
-        Self { reference_luminance_cd_m2, byte_starts, first_byte }
+        Self { reference_luminance_cd_m2, bytes: SrgbBytes::default() }
     }
 
     /// sRGB bytes of tristimulus values X, Y, Z [cd m⁻²] of the CIE 1931 observer.
@@ -64,18 +88,8 @@ impl ToneMap {
         inside.map(|channel| {
             let ratio = channel / brightest;
             let value = shown * (ratio + (1.0 - ratio) * whiteness);
-            self.byte(value)
+            self.bytes.of(value)
         })
-    }
-
-    /// The byte of a part of display white, 0..=1: the number of bytes that start at or below it.
-    #[inline]
-    fn byte(&self, value: f64) -> u8 {
-        let mut byte = self.first_byte[((value * STEPS as f64) as usize).min(STEPS)];
-        while self.byte_starts.get(usize::from(byte)).is_some_and(|&start| start <= value) {
-            byte += 1;
-        }
-        byte
     }
 }
 
@@ -99,14 +113,14 @@ mod tests {
     /// The short search finds the byte of the whole one, at the starts themselves too.
     #[test]
     fn bytes_are_found_where_they_start() {
-        let map = ToneMap::new(0.0);
-        let whole = |value: f64| map.byte_starts.partition_point(|&start| start <= value) as u8;
+        let bytes = SrgbBytes::default();
+        let whole = |value: f64| bytes.starts.partition_point(|&start| start <= value) as u8;
         let around = |start: &f64| [start.next_down(), *start, start.next_up()];
         let even = (0..=10_000).map(|i| f64::from(i) / 1e4);
-        for value in map.byte_starts.iter().flat_map(around).chain(even).chain([1.0]) {
-            assert_eq!(map.byte(value), whole(value), "{value}");
+        for value in bytes.starts.iter().flat_map(around).chain(even).chain([1.0]) {
+            assert_eq!(bytes.of(value), whole(value), "{value}");
         }
-        assert_eq!((map.byte(0.0), map.byte(1.0)), (0, 255));
+        assert_eq!((bytes.of(0.0), bytes.of(1.0)), (0, 255));
     }
 
     #[test]

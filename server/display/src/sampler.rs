@@ -47,21 +47,21 @@ pub fn taps(direction: Direction) -> Option<Taps> {
     })
 }
 
-/// Three planes of a sky ready to be looked at in any direction.
+/// Planes of a sky ready to be looked at in any direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Sampler<'a> {
-    planes: [&'a [f32]; 3],
-    added: [f64; 3],
+pub struct Sampler<'a, const PLANES: usize = 3> {
+    planes: [&'a [f32]; PLANES],
+    added: [f64; PLANES],
 }
 
-impl<'a> Sampler<'a> {
+impl<'a, const PLANES: usize> Sampler<'a, PLANES> {
     /// Looks at planes, `[row][column]` each, with `added` (≥ 0) of each in every direction.
-    pub fn new(planes: [&'a [f32]; 3], added: [f64; 3]) -> Self {
+    pub fn new(planes: [&'a [f32]; PLANES], added: [f64; PLANES]) -> Self {
         Self { planes, added }
     }
 
     /// The value of each plane, in its unit; None below the horizon.
-    pub fn values(&self, direction: Direction) -> Option<[f64; 3]> {
+    pub fn values(&self, direction: Direction) -> Option<[f64; PLANES]> {
         let taps = taps(direction)?;
         Some(std::array::from_fn(|plane| {
             let values = self.planes[plane];

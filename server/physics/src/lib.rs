@@ -26,6 +26,7 @@ pub mod hidden_sum;
 pub mod horizon;
 pub mod interpolation;
 pub mod lamp;
+pub mod mesopic;
 pub mod multiple_scattering;
 pub mod natural_sky;
 pub mod near_light;

@@ -4,7 +4,7 @@ use super::sky::read_light;
 use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use serde::Serialize;
 use skyglow_display::options::MAX_PICTURE_PX;
-use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Style};
+use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Sky, Style};
 use skyglow_physics::Response;
 
 /// How a panorama is to be shown.
@@ -19,7 +19,10 @@ pub struct PictureRequest {
 pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequest {
     let projection = read_projection(reader);
     let style = read_style(reader, response);
-    let sky = read_light(reader);
+    let sky = match (style, reader.text(&p::SKY)) {
+        (Style::Eye { .. }, None) => Sky::Total,
+        _ => read_light(reader),
+    };
     let (width_px, height_px) = (reader.integer(&p::WIDTH), reader.integer(&p::HEIGHT_PX));
     let legend = reader.choice(&p::LEGEND) != Some("off");
     let sized = |own: (u32, u32)| (width_px.unwrap_or(own.0), height_px.unwrap_or(own.1));
@@ -76,7 +79,8 @@ fn read_projection(reader: &mut Reader) -> Projection {
 }
 
 fn read_style(reader: &mut Reader, response: &Response) -> Style {
-    let realistic = reader.choice(&p::STYLE) == Some("realistic");
+    let style = reader.choice(&p::STYLE);
+    let in_colour = matches!(style, Some("realistic" | "eye"));
     let colormap = reader.choice(&p::COLORMAP).and_then(Colormap::from_name).unwrap_or_default();
     let scale = match reader.choice(&p::SCALE) {
         Some("magnitude") => Scale::Magnitude,
@@ -88,7 +92,7 @@ fn read_style(reader: &mut Reader, response: &Response) -> Style {
         let allowed = Some("with photopic, sqm, johnson_b, johnson_v or johnson_r".to_owned());
         reader.fail(&p::SCALE, ValidationCode::Conflict, message, allowed);
     }
-    if realistic && *response != Response::Photopic {
+    if in_colour && *response != Response::Photopic {
         let message = Some("means nothing for a picture in the colours that an eye sees".to_owned());
         let allowed = Some("with style=false_colour alone".to_owned());
         reader.fail(&p::RESPONSE, ValidationCode::Conflict, message, allowed);
@@ -96,11 +100,13 @@ fn read_style(reader: &mut Reader, response: &Response) -> Style {
     let default = ColourRange::for_response(scale, response);
     let min = reader.number_of_any_size(&p::MIN).unwrap_or(default.min);
     let max = reader.number_of_any_size(&p::MAX).unwrap_or(default.max);
-    if realistic {
+    if in_colour {
         only_with(reader, &[&p::COLORMAP, &p::SCALE, &p::MIN, &p::MAX], "style=false_colour");
-        return Style::Realistic { exposure_ev: exposure_ev.unwrap_or(0.0) };
+        let exposure_ev = exposure_ev.unwrap_or(0.0);
+        let is_eye = style == Some("eye");
+        return if is_eye { Style::Eye { exposure_ev } } else { Style::Realistic { exposure_ev } };
     }
-    only_with(reader, &[&p::EXPOSURE], "style=realistic");
+    only_with(reader, &[&p::EXPOSURE], "style=realistic or style=eye");
     let range = ColourRange { scale, min, max };
     if let Err(error) = range.check() {
         // The end that the error names; where both are fine alone, the one that was given.

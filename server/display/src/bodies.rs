@@ -1,0 +1,284 @@
+//! Stars, planets and the Moon in a picture: points blurred by the eye, drawn where it sees them (Crumey 2014), and discs at their true
+//! size with their phase.
+
+use crate::{eye::Seen, projection::View, sampler::Sampler};
+use skyglow_physics::{
+    Direction, Horizon,
+    photometry::{ILLUMINANCE_OF_0_MAG_LX, naked_eye_limit_mag},
+};
+
+/// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
+const EYE_BLUR_RAD: f64 = 1.1e-3;
+/// A star is drawn at least so wide, pixels.
+const MIN_BLUR_PX: f64 = 0.6;
+/// Light below this is not drawn, cd m⁻²: a tenth of the darkest sky.
+const DARK_CD_M2: f64 = 2e-5;
+/// Samples of a pixel of a disc, along each side.
+const DISC_SAMPLES: u32 = 4;
+
+/// Lights in the sky that are points or discs, as the observer sees them through the air.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SkyBodies {
+    /// Stars and planets.
+    pub points: Vec<PointLight>,
+    /// Moon and Sun.
+    pub discs: Vec<Disc>,
+}
+
+/// A point of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// Where it is seen.
+    pub direction: Direction,
+    /// X, Y, Z and scotopic illuminance of a surface that faces it, lx.
+    pub illuminance_lx: Seen,
+}
+
+/// A disc, of which a part may be dark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Where its centre is seen.
+    pub direction: Direction,
+    /// Apparent radius, radians.
+    pub radius_rad: f64,
+    /// Luminance of the lit part.
+    pub lit_cd_m2: Seen,
+    /// Luminance of the dark part: earthshine.
+    pub dark_cd_m2: Seen,
+    /// Lit part of the disc, 0..=1.
+    pub lit_share: f64,
+    /// Direction of the bright limb on the sky, radians from up towards growing azimuth.
+    pub bright_limb_rad: f64,
+}
+
+/// What bodies add to a picture, by row: column and light, ascending.
+pub(crate) struct BodyRows(Vec<Vec<(u32, Seen)>>);
+
+impl BodyRows {
+    /// Bodies above the horizon that are bright enough to be seen on the sky behind them.
+    pub(crate) fn new(
+        bodies: &SkyBodies,
+        view: &View,
+        (width_px, height_px): (u32, u32),
+        horizon: &Horizon,
+        background: &Sampler<'_, 4>,
+    ) -> Self {
+        let mut rows = Self(vec![Vec::new(); height_px as usize]);
+        let size_px = (f64::from(width_px), f64::from(height_px));
+        for disc in &bodies.discs {
+            rows.add_disc(disc, view, size_px, horizon);
+        }
+        for point in &bodies.points {
+            let Some(behind) = background.values(point.direction) else { continue };
+            if !horizon.hides(point.direction) && is_visible(point, behind) {
+                rows.add_point(point, view, size_px);
+            }
+        }
+        for row in &mut rows.0 {
+            row.sort_by_key(|(x, _)| *x);
+            // Lights of one pixel add up.
+            row.dedup_by(|next, kept| {
+                let same = next.0 == kept.0;
+                if same {
+                    kept.1 = std::array::from_fn(|i| kept.1[i] + next.1[i]);
+                }
+                same
+            });
+        }
+        rows
+    }
+
+    /// What is added in a row.
+    pub(crate) fn row(&self, y: usize) -> &[(u32, Seen)] {
+        self.0.get(y).map_or(&[], Vec::as_slice)
+    }
+
+    fn add_point(&mut self, point: &PointLight, view: &View, size_px: (f64, f64)) {
+        let Some(centre) = view.position_px(point.direction) else { return };
+        let blur_px = (EYE_BLUR_RAD / view.pixel_rad()).max(MIN_BLUR_PX);
+        let peak = point.illuminance_lx.map(|lx| lx / (std::f64::consts::TAU * EYE_BLUR_RAD * EYE_BLUR_RAD));
+        let brightest = peak[1].max(peak[3]);
+        if brightest <= DARK_CD_M2 {
+            return;
+        }
+        let reach_px = blur_px * (2.0 * (brightest / DARK_CD_M2).ln()).sqrt();
+        self.for_pixels(centre, reach_px, size_px, |x, y| {
+            let square = (f64::from(x) + 0.5 - centre.0).powi(2) + (f64::from(y) + 0.5 - centre.1).powi(2);
+            let part = (-0.5 * square / (blur_px * blur_px)).exp();
+            Some(peak.map(|peak| peak * part))
+        });
+    }
+
+    fn add_disc(&mut self, disc: &Disc, view: &View, size_px: (f64, f64), horizon: &Horizon) {
+        let Some(centre) = view.position_px(disc.direction) else { return };
+        // Stretched pixels, near the edge of a perspective and high up in an equirectangular picture, need more room.
+        let stretch = 2.0 / disc.direction.elevation_rad.cos().max(0.05);
+        let reach_px = 2.0 + stretch * disc.radius_rad / view.pixel_rad();
+        let (sin_limb, cos_limb) = disc.bright_limb_rad.sin_cos();
+        self.for_pixels(centre, reach_px, size_px, |x, y| {
+            let mut sum: Seen = [0.0; 4];
+            for sample in 0..DISC_SAMPLES * DISC_SAMPLES {
+                let inside = |at: u32| (f64::from(at) + 0.5) / f64::from(DISC_SAMPLES);
+                let (right, down) = (inside(sample % DISC_SAMPLES), inside(sample / DISC_SAMPLES));
+                let at = view.direction_at(f64::from(x) + right, f64::from(y) + down);
+                let Some(at) = at.filter(|at| !horizon.hides(*at)) else { continue };
+                let Some([across, up]) = disc.position(at) else { continue };
+                let (limb, along) = (up * cos_limb + across * sin_limb, across * cos_limb - up * sin_limb);
+                let terminator = (1.0 - 2.0 * disc.lit_share) * (1.0 - along * along).max(0.0).sqrt();
+                let light = if limb >= terminator { &disc.lit_cd_m2 } else { &disc.dark_cd_m2 };
+                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+            }
+            let count = f64::from(DISC_SAMPLES * DISC_SAMPLES);
+            (sum != [0.0; 4]).then(|| sum.map(|sum| sum / count))
+        });
+    }
+
+    /// Calls `light` for every pixel of the picture within a square around a centre.
+    fn for_pixels(
+        &mut self,
+        (x, y): (f64, f64),
+        reach_px: f64,
+        (width_px, height_px): (f64, f64),
+        mut light: impl FnMut(u32, u32) -> Option<Seen>,
+    ) {
+        let range = |centre: f64, side: f64| {
+            (centre - reach_px).floor().clamp(0.0, side) as u32
+                ..(centre + reach_px).ceil().clamp(0.0, side) as u32
+        };
+        for row in range(y, height_px) {
+            for column in range(x, width_px) {
+                if let Some(light) = light(column, row) {
+                    self.0[row as usize].push((column, light));
+                }
+            }
+        }
+    }
+}
+
+impl Disc {
+    /// Where a direction lies on the disc in its radii, towards growing azimuth and up; None beside it.
+    fn position(&self, at: Direction) -> Option<[f64; 2]> {
+        let away = at.enu() - self.direction.enu();
+        let (sin_azimuth, cos_azimuth) = self.direction.azimuth_rad.sin_cos();
+        let (sin_elevation, cos_elevation) = self.direction.elevation_rad.sin_cos();
+        let across = away.x * cos_azimuth - away.y * sin_azimuth;
+        let up = -sin_elevation * (away.x * sin_azimuth + away.y * cos_azimuth) + cos_elevation * away.z;
+        let position = [across / self.radius_rad, up / self.radius_rad];
+        (position[0] * position[0] + position[1] * position[1] <= 1.0).then_some(position)
+    }
+}
+
+/// Whether the naked eye sees a star on the sky behind it.
+fn is_visible(point: &PointLight, behind: Seen) -> bool {
+    let limit_lx = ILLUMINANCE_OF_0_MAG_LX * 10f64.powf(-0.4 * naked_eye_limit_mag(behind[1]));
+    point.illuminance_lx[1] >= limit_lx
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PictureOptions, Projection, Style, fixtures::grey_sky, picture::picture_with};
+    use skyglow_physics::Response;
+
+    fn looking(azimuth_deg: f64, elevation_deg: f64) -> Direction {
+        Direction { azimuth_rad: azimuth_deg.to_radians(), elevation_rad: elevation_deg.to_radians() }
+    }
+
+    fn star(magnitude: f64, direction: Direction) -> PointLight {
+        let lux = ILLUMINANCE_OF_0_MAG_LX * 10f64.powf(-0.4 * magnitude);
+        PointLight { direction, illuminance_lx: [0.95 * lux, lux, 1.09 * lux, 2.3 * lux] }
+    }
+
+    fn seen(bodies: &SkyBodies, luminance_cd_m2: f64, projection: Projection) -> image::RgbImage {
+        let options = PictureOptions {
+            legend: false,
+            style: Style::Eye { exposure_ev: 0.0 },
+            ..PictureOptions::new(projection)
+        };
+        let sky = grey_sky(|_, _| luminance_cd_m2);
+        picture_with(bodies, &sky, &Response::Photopic, &Horizon::flat(), &options).unwrap()
+    }
+
+    fn brightness(image: &image::RgbImage, direction: Direction, projection: Projection) -> u8 {
+        let (x, y) = View::new(projection, image.width(), image.height()).position_px(direction).unwrap();
+        image.get_pixel(x as u32, y as u32).0[1]
+    }
+
+    /// A star of the fifth magnitude is there under a dark sky and not in a city, one of the first in both.
+    #[test]
+    fn stars_are_drawn_where_the_eye_sees_them() {
+        let (faint, bright) = (looking(100.0, 50.0), looking(220.0, 30.0));
+        let bodies = SkyBodies { points: vec![star(5.0, faint), star(1.0, bright)], discs: Vec::new() };
+        for (luminance_cd_m2, faint_shows) in [(2e-4, true), (2e-2, false)] {
+            let with = seen(&bodies, luminance_cd_m2, Projection::Fisheye);
+            let without = seen(&SkyBodies::default(), luminance_cd_m2, Projection::Fisheye);
+            let shows = |at| {
+                brightness(&with, at, Projection::Fisheye) > brightness(&without, at, Projection::Fisheye) + 3
+            };
+            assert_eq!((shows(faint), shows(bright)), (faint_shows, true), "{luminance_cd_m2}");
+        }
+        // Brighter ones are larger.
+        let lit = |magnitude| {
+            let bodies = SkyBodies { points: vec![star(magnitude, bright)], discs: Vec::new() };
+            let dark = seen(&SkyBodies::default(), 2e-4, Projection::Fisheye);
+            seen(&bodies, 2e-4, Projection::Fisheye)
+                .pixels()
+                .zip(dark.pixels())
+                .filter(|(a, b)| a != b)
+                .count()
+        };
+        assert!(lit(-4.0) > lit(1.0) && lit(1.0) > lit(4.0) && lit(4.0) > 0);
+    }
+
+    /// Half a Moon has half of the full one's white pixels, on the side of the bright limb.
+    #[test]
+    fn the_moon_has_its_phase() {
+        let projection = Projection::Perspective { azimuth_deg: 90.0, elevation_deg: 30.0, fov_deg: 5.0 };
+        let moon = |lit_share| Disc {
+            direction: looking(90.0, 30.0),
+            radius_rad: 0.26f64.to_radians(),
+            lit_cd_m2: [2e3, 2e3, 2e3, 4e3],
+            dark_cd_m2: [1e-3; 4],
+            lit_share,
+            bright_limb_rad: std::f64::consts::FRAC_PI_2,
+        };
+        let whites = |lit_share| {
+            let image =
+                seen(&SkyBodies { points: Vec::new(), discs: vec![moon(lit_share)] }, 1e-4, projection);
+            let middle = image.width() / 2;
+            let white = image.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[1] > 200);
+            white.fold(
+                [0; 2],
+                |[left, right], (x, _, _)| if x < middle { [left + 1, right] } else { [left, right + 1] },
+            )
+        };
+        let (full, half) = (whites(1.0), whites(0.5));
+        let radius_px = 0.5 * 1024.0 / (2.5f64.to_radians()).tan() * 0.26f64.to_radians();
+        let area_px = std::f64::consts::PI * radius_px * radius_px;
+        assert!((f64::from(full[0] + full[1]) / area_px - 1.0).abs() < 0.05, "{full:?} {area_px}");
+        assert!(half[1] > 9 * full[1] / 10 && half[0] < full[0] / 20, "{half:?} {full:?}");
+    }
+
+    #[test]
+    fn hidden_stars_are_not_drawn() {
+        let horizon = Horizon::new(vec![0.5; skyglow_physics::AZIMUTH_COUNT]).unwrap();
+        let options = PictureOptions {
+            legend: false,
+            style: Style::Eye { exposure_ev: 0.0 },
+            ..PictureOptions::new(Projection::Fisheye)
+        };
+        let draw = |elevation_deg| {
+            let bodies =
+                SkyBodies { points: vec![star(0.0, looking(40.0, elevation_deg))], discs: Vec::new() };
+            picture_with(&bodies, &grey_sky(|_, _| 2e-4), &Response::Photopic, &horizon, &options).unwrap()
+        };
+        let none = picture_with(
+            &SkyBodies::default(),
+            &grey_sky(|_, _| 2e-4),
+            &Response::Photopic,
+            &horizon,
+            &options,
+        );
+        assert!(draw(20.0) == none.unwrap() && draw(20.0) != draw(60.0));
+    }
+}
