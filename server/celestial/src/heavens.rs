@@ -19,6 +19,7 @@ use skyglow_physics::{
     error::check_range,
     spectrum::{NODE_COUNT, nodes_nm},
 };
+use std::sync::LazyLock;
 
 /// Solar radio flux at 10.7 cm, solar flux units, where none is given.
 pub const DEFAULT_SOLAR_FLUX_SFU: f64 = 100.0;
@@ -88,6 +89,11 @@ impl Heavens {
     /// Solar radio flux at 10.7 cm, solar flux units.
     pub fn solar_flux_sfu(&self) -> f64 {
         self.solar_flux_sfu
+    }
+
+    /// How Earth and observer are placed and turned.
+    pub fn positions(&self) -> &Positions {
+        &self.positions
     }
 
     /// The Sun.
@@ -179,15 +185,122 @@ fn planet_light(seen: &PlanetSeen) -> PointLight {
     }
 }
 
-/// Reddening at the nodes over that of the component's spectrum.
-fn zodiacal_colour(elongation_deg: f64) -> [f64; NODE_COUNT] {
-    nodes_nm().map(|nm| {
-        zodiacal_light::reddening(nm, elongation_deg)
-            / zodiacal_light::reddening(nm, zodiacal_light::MEAN_ELONGATION_DEG)
+/// Reddening at the nodes over that of the component's spectrum, for elongations to 30° and for those from 90° on.
+static ZODIACAL_COLOURS: LazyLock<[[f64; NODE_COUNT]; 2]> = LazyLock::new(|| {
+    [0.0, 180.0].map(|elongation_deg| {
+        nodes_nm().map(|nm| {
+            zodiacal_light::reddening(nm, elongation_deg)
+                / zodiacal_light::reddening(nm, zodiacal_light::MEAN_ELONGATION_DEG)
+        })
     })
+});
+
+/// The same for an elongation; it is linear in between.
+fn zodiacal_colour(elongation_deg: f64) -> [f64; NODE_COUNT] {
+    let part = zodiacal_light::far_part(elongation_deg);
+    let [near, far] = &*ZODIACAL_COLOURS;
+    std::array::from_fn(|node| near[node] + part * (far[node] - near[node]))
 }
 
 /// Longitude and latitude of a unit vector, rad.
 fn spherical(vector: DVec3) -> (f64, f64) {
     (vector.y.atan2(vector.x), vector.z.clamp(-1.0, 1.0).asin())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use skyglow_physics::Response;
+
+    fn heavens(latitude_deg: f64, longitude_deg: f64, unix_s: f64) -> Heavens {
+        let site = Site::new(latitude_deg, longitude_deg, 0.0).unwrap();
+        Heavens::new(site, Instant::from_unix_s(unix_s).unwrap(), 100.0).unwrap()
+    }
+
+    fn towards(enu: DVec3) -> Direction {
+        direction_of(enu)
+    }
+
+    /// The galactic centre, the gegenschein and the zenith have the brightness that the tables have there.
+    #[test]
+    fn maps_lie_where_they_should() {
+        let heavens = heavens(-24.6, -70.4, 1.782e9);
+        let galactic = heavens.galactic_from_enu().transpose();
+        let [plane, pole] = [DVec3::X, DVec3::Z]
+            .map(|axis| heavens.radiance_outside(Component::Starlight, towards(galactic * axis))[0]);
+        assert!((plane - 290.0).abs() < 1e-6 && (pole - 29.5).abs() < 1.0, "{plane} {pole}");
+        let against_sun = -heavens.sun().position.enu_au.normalize();
+        let gegenschein = heavens.radiance_outside(Component::ZodiacalLight, towards(against_sun));
+        // 2026-06-21: 1.016 au from the Sun.
+        let season = 1.016_f64.powf(-2.3);
+        for (value, colour) in gegenschein.into_iter().zip(zodiacal_colour(180.0)) {
+            assert!((value / (180.0 * season * colour) - 1.0).abs() < 0.01, "{value}");
+        }
+        let airglow = heavens.radiance_outside(Component::Airglow, towards(DVec3::Z));
+        assert!((airglow[0] - 133.0).abs() < 1e-9);
+        assert_eq!(heavens.radiance_outside(Component::Stars, towards(DVec3::Z)), [0.0; NODE_COUNT]);
+    }
+
+    /// The darkest direction above 45°, outside the air: 21.9 with little solar activity, a quarter of a magnitude brighter with much.
+    #[test]
+    fn dark_skies_are_as_dark_as_they_are() {
+        let site = Site::new(28.0, -18.0, 0.0).unwrap();
+        let at = Instant::parse("2026-04-15T02:00:00Z").unwrap();
+        let darkest = |solar_flux_sfu: f64| {
+            let heavens = Heavens::new(site, at, solar_flux_sfu).unwrap();
+            let luminance = |direction: Direction| -> f64 {
+                let seen = |component: Component| {
+                    let rule = component.light().rule(&Response::JohnsonV);
+                    rule.value(heavens.radiance_outside(component, direction))
+                };
+                Component::EXTENDED.into_iter().map(seen).sum()
+            };
+            let directions = (0..1_620).map(|step| Direction {
+                azimuth_rad: f64::from(step % 36 * 10).to_radians(),
+                elevation_rad: f64::from(45 + step / 36).to_radians(),
+            });
+            let least = directions.map(luminance).fold(f64::INFINITY, f64::min);
+            skyglow_physics::photometry::brightness_mag_arcsec2(least).unwrap()
+        };
+        let (quiet, active) = (darkest(70.0), darkest(220.0));
+        assert!((21.8..22.1).contains(&quiet) && (21.5..21.75).contains(&active), "{quiet} {active}");
+    }
+
+    /// Points of light have the V that they say, and colours: Mars has less blue than the Moon's own unit.
+    #[test]
+    fn points_are_as_bright_as_they_say() {
+        let heavens = heavens(40.0, 0.0, 1.782e9);
+        for component in Component::BODIES {
+            let rule = component.light().rule(&Response::JohnsonV);
+            for point in heavens.points(component).iter().step_by(97) {
+                let zero = crate::magnitudes::ZERO_MAGNITUDE_LX;
+                let found = -2.5 * (rule.value(point.irradiance) / zero).log10();
+                assert!((found - point.magnitude_v).abs() < 0.02, "{component:?}: {found} {point:?}");
+            }
+        }
+        assert!(heavens.points(Component::Airglow).is_empty());
+        assert!(Heavens::new(heavens.site(), heavens.instant(), 20.0).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// Nothing jumps from one direction to the next, above the horizon and below.
+        #[test]
+        fn radiance_is_continuous(
+            azimuth in 0.0..6.3_f64, elevation in -1.5..1.5_f64, day in 0.0..365.0_f64, latitude in -90.0..90.0_f64,
+        ) {
+            prop_assume!(elevation.abs() > 1e-3);
+            let heavens = heavens(latitude, 10.0, 1.767e9 + day * 86_400.0);
+            for component in Component::EXTENDED {
+                let [one, two] = [0.0, 1e-5].map(|step| heavens.radiance_outside(
+                    component, Direction { azimuth_rad: azimuth + step, elevation_rad: elevation + step }));
+                for node in 0..NODE_COUNT {
+                    let jump = (one[node] - two[node]).abs();
+                    prop_assert!(one[node] >= 0.0 && jump <= 2e-3 * one[node], "{component:?} {jump}");
+                }
+            }
+        }
+    }
 }

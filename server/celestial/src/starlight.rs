@@ -9,49 +9,48 @@ const LATITUDES_DEG: [f64; 25] = [
     16.0, 20.0, 24.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0,
 ];
 
-/// S10 at 440 nm; a row at each pole has the mean of its neighbour.
-struct Table {
-    latitudes_deg: [f64; LATITUDES_DEG.len() + 2],
-    s10: [[f64; LONGITUDE_COUNT]; LATITUDES_DEG.len() + 2],
-}
+/// Steps of the rows that are kept, degrees: all latitudes of the table lie on one.
+const STEP_DEG: f64 = 2.0;
+const ROW_COUNT: usize = 91;
 
-static TABLE: LazyLock<Table> =
-    LazyLock::new(|| Table::read(include_str!("../data/integrated_starlight_s10.csv")));
+/// S10 at 440 nm every 2° of latitude from −90°; a row at each pole has the mean of its neighbour.
+type Table = [[f64; LONGITUDE_COUNT]; ROW_COUNT];
 
-impl Table {
-    fn read(text: &str) -> Self {
-        let last = LATITUDES_DEG.len() + 1;
-        let latitudes_deg = std::array::from_fn(|row| match row {
-            0 => -90.0,
-            row if row == last => 90.0,
-            row => LATITUDES_DEG[row - 1],
-        });
-        let mut s10 = [[0.0; LONGITUDE_COUNT]; LATITUDES_DEG.len() + 2];
-        for (row, line) in s10[1..last].iter_mut().zip(text.lines().skip(1)) {
-            for (value, cell) in row.iter_mut().zip(line.split(',').skip(1)) {
-                *value = cell.parse().unwrap_or(0.0);
-            }
-        }
-        let mean =
-            |row: [f64; LONGITUDE_COUNT]| [row.iter().sum::<f64>() / LONGITUDE_COUNT as f64; LONGITUDE_COUNT];
-        s10[0] = mean(s10[1]);
-        s10[last] = mean(s10[last - 1]);
-        Self { latitudes_deg, s10 }
-    }
+static TABLE: LazyLock<Box<Table>> =
+    LazyLock::new(|| Box::new(read(include_str!("../data/integrated_starlight_s10.csv"))));
+
+fn read(text: &str) -> Table {
+    let mut rows: Vec<(f64, Vec<f64>)> = LATITUDES_DEG
+        .into_iter()
+        .zip(text.lines().skip(1))
+        .map(|(latitude_deg, line)| {
+            (latitude_deg, line.split(',').skip(1).map(|cell| cell.parse().unwrap_or(0.0)).collect())
+        })
+        .collect();
+    let pole = |(_, row): &(f64, Vec<f64>)| vec![row.iter().sum::<f64>() / row.len() as f64; LONGITUDE_COUNT];
+    let (south, north) = (rows.first().map(pole), rows.last().map(pole));
+    rows.insert(0, (-90.0, south.unwrap_or_default()));
+    rows.push((90.0, north.unwrap_or_default()));
+    std::array::from_fn(|row| {
+        let latitude_deg = STEP_DEG * row as f64 - 90.0;
+        let below =
+            rows.partition_point(|(row_deg, _)| *row_deg <= latitude_deg).clamp(1, rows.len() - 1) - 1;
+        let [(low_deg, low), (high_deg, high)] = [&rows[below], &rows[below + 1]];
+        let up = (latitude_deg - low_deg) / (high_deg - low_deg);
+        std::array::from_fn(|column| low[column] + up * (high[column] - low[column]))
+    })
 }
 
 /// Brightness of all that shines beyond the zodiacal dust but for stars to V = 6.5, S10 at 440 nm outside the air: linear between the
 /// cells of the table, by galactic longitude and latitude, degrees. The table is good to 10 to 15 % over some degrees.
 pub fn table_s10(longitude_deg: f64, latitude_deg: f64) -> f64 {
-    let table = &*TABLE;
-    let rows = table.latitudes_deg.len();
-    let row = table.latitudes_deg.partition_point(|step| *step <= latitude_deg).clamp(1, rows - 1) - 1;
-    let [low, high] = [table.latitudes_deg[row], table.latitudes_deg[row + 1]];
-    let up = ((latitude_deg - low) / (high - low)).clamp(0.0, 1.0);
+    let steps = ((latitude_deg + 90.0) / STEP_DEG).clamp(0.0, (ROW_COUNT - 1) as f64);
+    let row = (steps as usize).min(ROW_COUNT - 2);
+    let up = steps - row as f64;
     let place = longitude_deg.rem_euclid(360.0) / 10.0;
     let (column, along) = (place as usize % LONGITUDE_COUNT, place.fract());
     let next = (column + 1) % LONGITUDE_COUNT;
-    let at = |row: usize| table.s10[row][column] + along * (table.s10[row][next] - table.s10[row][column]);
+    let at = |row: usize| TABLE[row][column] + along * (TABLE[row][next] - TABLE[row][column]);
     at(row) + up * (at(row + 1) - at(row))
 }
 

@@ -21,7 +21,21 @@ const NEAREST_DEG: f64 = 5.0;
 /// ln S10 by row and column.
 type Table = [[f64; LATITUDES_DEG.len()]; LONGITUDES_DEG.len()];
 
-static LN_S10: LazyLock<Table> = LazyLock::new(|| table(include_str!("../data/zodiacal_light_s10.csv")));
+/// ln S10 every 5°, where all rows and columns of the table lie.
+const STEP_DEG: f64 = 5.0;
+type Grid = [[f64; 19]; 37];
+
+static LN_S10: LazyLock<Grid> = LazyLock::new(|| {
+    let table = table(include_str!("../data/zodiacal_light_s10.csv"));
+    std::array::from_fn(|row| {
+        let (row, along) = between(&LONGITUDES_DEG, STEP_DEG * row as f64);
+        std::array::from_fn(|column| {
+            let (column, up) = between(&LATITUDES_DEG, STEP_DEG * column as f64);
+            let at = |row: usize| table[row][column] + up * (table[row][column + 1] - table[row][column]);
+            at(row) + along * (at(row + 1) - at(row))
+        })
+    })
+});
 
 /// Reads the table. Cells next to the Sun that are blank there continue their neighbours by elongation^−2.3: those of β ≤ 5° along the
 /// ecliptic, the others towards it.
@@ -60,11 +74,16 @@ fn between<const N: usize>(axis: &[f64; N], value: f64) -> (usize, f64) {
 
 /// Brightness, S10 at 500 nm outside the air with the Sun at 1 au: ln interpolated in helioecliptic longitude and latitude, degrees.
 pub fn table_s10(longitude_from_sun_deg: f64, latitude_deg: f64) -> f64 {
-    let longitude_deg = (longitude_from_sun_deg.rem_euclid(360.0) - 180.0).abs();
-    let (row, along) = between(&LONGITUDES_DEG, 180.0 - longitude_deg);
-    let (column, up) = between(&LATITUDES_DEG, latitude_deg.abs());
-    let table = &*LN_S10;
-    let at = |row: usize| table[row][column] + up * (table[row][column + 1] - table[row][column]);
+    let from_sun_deg = longitude_from_sun_deg.abs() % 360.0;
+    let place = |deg: f64, last: usize| {
+        let steps = (deg / STEP_DEG).clamp(0.0, last as f64);
+        let below = (steps as usize).min(last - 1);
+        (below, steps - below as f64)
+    };
+    let (row, along) = place(from_sun_deg.min(360.0 - from_sun_deg), 36);
+    let (column, up) = place(latitude_deg.abs(), 18);
+    let grid = &*LN_S10;
+    let at = |row: usize| grid[row][column] + up * (grid[row][column + 1] - grid[row][column]);
     (at(row) + along * (at(row + 1) - at(row))).exp()
 }
 
@@ -76,8 +95,12 @@ pub fn distance_factor(sun_distance_au: f64) -> f64 {
 /// The light's colour over the Sun's, 1 at 500 nm, by elongation, degrees (decadic logarithms; linear between 30 and 90°).
 pub fn reddening(wavelength_nm: f64, elongation_deg: f64) -> f64 {
     let (near, far) = if wavelength_nm <= 500.0 { (1.2, 0.9) } else { (0.8, 0.6) };
-    let part = ((elongation_deg - 30.0) / 60.0).clamp(0.0, 1.0);
-    1.0 + (near + part * (far - near)) * (wavelength_nm / 500.0).log10()
+    1.0 + (near + far_part(elongation_deg) * (far - near)) * (wavelength_nm / 500.0).log10()
+}
+
+/// How far an elongation, degrees, lies on the way from the near to the far colour.
+pub(crate) fn far_part(elongation_deg: f64) -> f64 {
+    ((elongation_deg - 30.0) / 60.0).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
