@@ -145,7 +145,7 @@ fn source_at(stand: Stand) -> PointSource {
 pub(crate) fn reference_cd_m2(rig: &Rig, stand: Stand) -> Result<Vec<f64>, Box<dyn Error>> {
     let request = request_at(rig, stand, 1.0)?;
     let directions = LOOKS.map(grid_direction);
-    let bands: Vec<[f64; 3]> = direct_sum(
+    let bands = direct_sum(
         &[Atmosphere::new(request.turbidity)],
         &[source_at(stand)],
         stand.observer_altitude_m,
