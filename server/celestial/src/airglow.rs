@@ -29,31 +29,51 @@ pub fn van_rhijn(sin_elevation: f64, altitude_m: f64) -> f64 {
 /// A line or band: its middle and its full width, nm, and its intensity, rayleigh.
 type Feature = (f64, f64, f64);
 
-/// Round typical intensities. Lines: oxygen 557.7, 630.0 and 636.4 nm, sodium 589.3 nm; bands of OH (upper and lower vibration beside
-/// each) and the oxygen band at 864.5 nm.
-const FEATURES: [Feature; 14] = [
-    (557.7, 0.0, 250.0),
-    (589.3, 0.0, 60.0),
-    (630.0, 0.0, 100.0),
-    (636.4, 0.0, 33.0),
-    // 8-2, 5-0 and 9-3, 6-1.
-    (590.0, 15.0, 25.0),
-    (620.0, 20.0, 60.0),
-    (653.0, 20.0, 120.0),
-    // 7-2, 8-3, 4-0, 9-4, 5-1.
-    (690.0, 25.0, 230.0),
-    (735.0, 25.0, 400.0),
-    (754.0, 20.0, 100.0),
-    (781.0, 25.0, 600.0),
-    (797.0, 20.0, 250.0),
-    // 6-2 and the oxygen band.
-    (841.0, 25.0, 800.0),
-    (865.0, 10.0, 300.0),
+/// Round values of the airglow over Cerro Paranal at 130 solar flux units (Noll et al. 2012, by ESO's SkyCalc). Lines: oxygen 557.7,
+/// 630.0 and 636.4 nm, sodium 589.3 nm. Bands: OH, each in the 20 nm around it, and at 864.5 nm molecular oxygen.
+const FEATURES: [Feature; 20] = [
+    (557.7, 0.0, 220.0),
+    (589.3, 0.0, 55.0),
+    (630.0, 0.0, 165.0),
+    (636.4, 0.0, 55.0),
+    (592.0, 20.0, 27.0),
+    (610.0, 20.0, 14.0),
+    (627.0, 20.0, 67.0),
+    (650.0, 20.0, 69.0),
+    (690.0, 20.0, 150.0),
+    (710.0, 20.0, 36.0),
+    (729.0, 20.0, 380.0),
+    (748.0, 20.0, 190.0),
+    (772.0, 20.0, 400.0),
+    (789.0, 20.0, 700.0),
+    (808.0, 20.0, 170.0),
+    (832.0, 20.0, 560.0),
+    (849.0, 20.0, 640.0),
+    (864.5, 10.0, 330.0),
+    (870.0, 20.0, 470.0),
+    (888.0, 20.0, 1_400.0),
 ];
 
-/// The continuum, rayleigh nm⁻¹: 3 from 400 to 700 nm (Leinert et al. 1998), rising beyond.
+/// The continuum of the same, rayleigh nm⁻¹, linear between wavelengths, nm: NO₂ and FeO make it broadest around 590 nm.
+const CONTINUUM: [(f64, f64); 12] = [
+    (380.0, 4.7),
+    (420.0, 3.9),
+    (500.0, 4.0),
+    (540.0, 4.8),
+    (590.0, 6.5),
+    (640.0, 5.4),
+    (690.0, 5.4),
+    (740.0, 6.7),
+    (780.0, 9.5),
+    (820.0, 11.7),
+    (860.0, 16.0),
+    (900.0, 17.0),
+];
+
 fn continuum_r_nm(wavelength_nm: f64) -> f64 {
-    3.0 + 7.0 * ((wavelength_nm - 700.0) / 200.0).clamp(0.0, 1.0)
+    let after = CONTINUUM.partition_point(|(nm, _)| *nm < wavelength_nm).clamp(1, CONTINUUM.len() - 1);
+    let ((low_nm, low), (high_nm, high)) = (CONTINUUM[after - 1], CONTINUUM[after]);
+    low + (high - low) * (wavelength_nm - low_nm) / (high_nm - low_nm)
 }
 
 /// Spectral radiance of airglow of 1 S10 in V, W m⁻² sr⁻¹ nm⁻¹. A line stands in the two samples beside it.
@@ -90,16 +110,15 @@ mod tests {
         assert_eq!(van_rhijn(-1e-9, 2_000.0), 0.0);
     }
 
-    /// The intensities as they stand are about what the layer gives at solar minimum: 1 R nm⁻¹ at 530 nm is 23 S10.
+    /// The intensities as they stand are 194 S10 in V, a third more than the layer has at 130 solar flux units.
     #[test]
     fn intensities_fit_the_brightness() {
-        let sample = (550.0 - 380.0) / STEP_NM;
-        let continuum = continuum_r_nm(550.0);
-        let per_s10 = spectrum_s10().0[sample as usize];
+        let at_nm = 450.0;
+        let per_s10 = spectrum_s10().0[((at_nm - 380.0) / STEP_NM) as usize];
         // Rayleigh to W m⁻² sr⁻¹: 10¹⁰/4π photons of hc/λ.
-        let w_m2_sr = continuum * 1e10 / (4.0 * std::f64::consts::PI) * 1.986_445_86e-25 / 550e-9;
-        let s10 = w_m2_sr / per_s10;
-        assert!((100.0..200.0).contains(&s10), "{s10}");
+        let photons = continuum_r_nm(at_nm) * 1e10 / (4.0 * std::f64::consts::PI);
+        let s10 = photons * 1.986_445_86e-25 / (at_nm * 1e-9) / per_s10;
+        assert!((s10 / 194.0 - 1.0).abs() < 0.02 && s10 < 1.4 * zenith_s10(130.0), "{s10}");
     }
 
     proptest! {
