@@ -2,17 +2,17 @@
 //! Hilton 2018.
 
 use crate::{
+    eclipse::{MOON_RADIUS_M, SUN_RADIUS_M, moon_lit, sun_uncovered},
     ephemeris::{AU_M, Body, Planet, Positions, Topocentric},
     lights::{FULL_MOON_MAGNITUDE_V, SUN_MAGNITUDE_V},
+    moon_orientation::moon_from_gcrs,
 };
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Mean distance of the Moon that its magnitude is given for, m.
 const MOON_MEAN_DISTANCE_M: f64 = 3.844e8;
-/// Radius of the Moon, m.
-const MOON_RADIUS_M: f64 = 1.737_4e6;
-/// Radius of the Sun, m (IAU 2015).
-const SUN_RADIUS_M: f64 = 6.957e8;
+/// Faintest light of an eclipsed Sun that a magnitude is given for: its corona.
+const CORONA: f64 = 1e-6;
 
 /// The Sun for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,9 +23,11 @@ pub struct Sun {
     pub magnitude_v: f64,
     /// Angle across the disc, rad.
     pub diameter_rad: f64,
+    /// Part of the disc that the Moon does not cover, 0..=1; in totality the corona has a millionth of the light.
+    pub uncovered_part: f64,
 }
 
-/// The Moon for an observer. Eclipses are left out.
+/// The Moon for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moon {
     /// Where it is.
@@ -46,6 +48,12 @@ pub struct Moon {
     pub bright_limb_from_zenith_rad: f64,
     /// Angle between Moon and Sun, rad.
     pub elongation_rad: f64,
+    /// Part of its light that the Earth's shadow leaves, 0..=1.
+    pub uneclipsed_part: f64,
+    /// V outside the air of the light that the Earth throws on it, over its whole disc.
+    pub earthshine_magnitude_v: f64,
+    /// Turns the Moon's own axes (x to longitude and latitude 0, z to its north pole) into east, north, up.
+    pub enu_from_moon: DMat3,
 }
 
 /// A planet for an observer.
@@ -64,12 +72,15 @@ pub struct PlanetSeen {
 impl Sun {
     /// At an instant over a site.
     pub fn of(positions: &Positions) -> Self {
-        let position = positions.of(Body::Sun);
+        let [position, moon] = [Body::Sun, Body::Moon].map(|body| positions.of(body));
         let distance_au = position.distance_au();
+        let uncovered_part = sun_uncovered(position.enu_au, moon.enu_au);
         Self {
             position,
-            magnitude_v: SUN_MAGNITUDE_V + 5.0 * distance_au.log10(),
+            magnitude_v: SUN_MAGNITUDE_V + 5.0 * distance_au.log10()
+                - 2.5 * uncovered_part.max(CORONA).log10(),
             diameter_rad: 2.0 * (SUN_RADIUS_M / (distance_au * AU_M)).asin(),
+            uncovered_part,
         }
     }
 }
@@ -84,9 +95,16 @@ impl Moon {
         let celestial_north = positions.stand.enu_from_cirs * DVec3::Z;
         // Seen from above its orbit the Moon is east of the Sun while it waxes.
         let pole = positions.ecliptic_from_enu().transpose() * DVec3::Z;
+        let [sun_from_earth, moon_from_earth] =
+            [Body::Sun, Body::Moon].map(|body| positions.epoch.geocentric_au(body));
+        let uneclipsed_part = moon_lit(sun_from_earth, moon_from_earth);
+        let phase_angle_deg = phase_angle_rad.to_degrees();
+        let magnitude_v = moon_magnitude_v(phase_angle_deg, distance_m, to_sun.length());
+        let gcrs_from_enu = (positions.stand.enu_from_cirs * positions.epoch.cirs_from_gcrs()).transpose();
+        let days = positions.epoch.instant().days_since_j2000();
         Self {
             position,
-            magnitude_v: moon_magnitude_v(phase_angle_rad.to_degrees(), distance_m, to_sun.length()),
+            magnitude_v: magnitude_v - 2.5 * uneclipsed_part.log10(),
             diameter_rad: 2.0 * (MOON_RADIUS_M / distance_m).asin(),
             phase_angle_rad,
             illuminated_fraction: 0.5 * (1.0 + phase_angle_rad.cos()),
@@ -94,6 +112,9 @@ impl Moon {
             bright_limb_from_north_rad: position_angle(position.enu_au, sun.enu_au, celestial_north),
             bright_limb_from_zenith_rad: position_angle(position.enu_au, sun.enu_au, DVec3::Z),
             elongation_rad: position.enu_au.angle_between(sun.enu_au),
+            uneclipsed_part,
+            earthshine_magnitude_v: earthshine_magnitude_v(phase_angle_deg, distance_m, to_sun.length()),
+            enu_from_moon: (moon_from_gcrs(days) * gcrs_from_enu).transpose(),
         }
     }
 }
@@ -122,6 +143,16 @@ pub fn moon_magnitude_v(phase_angle_deg: f64, distance_m: f64, sun_distance_au: 
     let surge = (1.35 - 0.05 * phase_deg).max(1.0);
     let distances = 5.0 * (distance_m / MOON_MEAN_DISTANCE_M * sun_distance_au).log10();
     FULL_MOON_MAGNITUDE_V + 0.026 * phase_deg + 4e-9 * phase_deg.powi(4) - 2.5 * surge.log10() + distances
+}
+
+/// V of the Moon's disc in the light of the Earth alone: the Earth's V from there by its own phase (Mallama, Hilton 2018), which the Moon
+/// throws back as it does the Sun's at full Moon.
+fn earthshine_magnitude_v(moon_phase_angle_deg: f64, distance_m: f64, sun_distance_au: f64) -> f64 {
+    let earth_phase_deg = 180.0 - moon_phase_angle_deg;
+    let distances = 5.0 * (distance_m / AU_M * sun_distance_au).log10();
+    let earth_v = -3.99 - 1.060e-3 * earth_phase_deg + 2.054e-4 * earth_phase_deg.powi(2) + distances;
+    let full_moon_v = FULL_MOON_MAGNITUDE_V + 5.0 * (distance_m / MOON_MEAN_DISTANCE_M).log10();
+    full_moon_v + earth_v - SUN_MAGNITUDE_V
 }
 
 /// North pole of Saturn and its rings in GCRS (IAU: right ascension 40.6°, declination 83.5°).
@@ -211,6 +242,18 @@ mod tests {
             assert!((179.8..=180.0).contains(&sum_deg), "{utc}: {sum_deg}");
             assert!((29.2..34.2).contains(&(moon.diameter_rad.to_degrees() * 60.0)));
         }
+    }
+
+    /// A young Moon in earthshine is ten thousand times fainter than a full one; it turns the same side to us.
+    #[test]
+    fn earthshine_and_axis_are_given() {
+        let moon = Moon::of(&at("2024-02-11T18:30:00Z", 45.0, 0.0));
+        assert!((-3.6..-2.2).contains(&moon.earthshine_magnitude_v), "{}", moon.earthshine_magnitude_v);
+        assert!((moon.enu_from_moon.determinant() - 1.0).abs() < 1e-12);
+        // The middle of the disc is within the Moon's libration of longitude and latitude 0.
+        let towards_observer = moon.enu_from_moon.transpose() * -moon.position.enu_au.normalize();
+        assert!(towards_observer.x > 9.5_f64.to_radians().cos(), "{towards_observer}");
+        assert_eq!(moon.uneclipsed_part, 1.0);
     }
 
     /// Full Moon −12.73 and brighter at opposition; quarters are ten times fainter; half its light for 1.4 of its distance.

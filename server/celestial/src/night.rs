@@ -2,6 +2,7 @@
 
 use crate::{
     bodies::Moon,
+    eclipse::MOON_RADIUS_M,
     ephemeris::{AU_M, Body, Positions},
     path::{Crossing, Path, PathEpochs, crossings, lowest},
     phase::MoonPhase,
@@ -14,8 +15,6 @@ use serde::Serialize;
 const SUN_RISES_DEG: f64 = -0.833;
 /// Refraction at the horizon, degrees, for the Moon's upper limb.
 const HORIZON_REFRACTION_DEG: f64 = 34.0 / 60.0;
-/// Radius of the Moon, m.
-const MOON_RADIUS_M: f64 = 1.737_4e6;
 
 /// A body that neither rises nor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
