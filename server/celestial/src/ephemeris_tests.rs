@@ -186,6 +186,16 @@ fn stars_are_where_astropy_has_them() {
     }
 }
 
+/// The first and the last hour that there is, and a day beyond for what a night looks at.
+#[test]
+fn positions_hold_to_the_ends() {
+    for (utc, days) in [("1900-01-01T00:00:00Z", 0.0), ("2099-12-31T23:59:59Z", 0.4)] {
+        let epoch = Epoch::new(Instant::parse(utc).unwrap().plus_s(days * 86_400.0));
+        assert!((epoch.sun_distance_au() - 0.9833).abs() < 5e-4, "{utc}");
+        assert!((epoch.geocentric_au(Body::Moon).length() * AU_M / 3.8e8 - 1.0).abs() < 0.08, "{utc}");
+    }
+}
+
 #[test]
 fn refraction_is_that_of_almanacs() {
     for (altitude_deg, arcmin) in [(-0.567, 34.0), (0.0, 29.0), (10.0, 5.4), (45.0, 1.0), (89.9, 0.0)] {

@@ -16,7 +16,7 @@ pub enum CelestialError {
     #[error("month is \"{0}\"; it is written as in 2026-08")]
     NoMonth(String),
     /// A time that the positions of Sun and Moon do not hold for.
-    #[error("the year is {0}; positions hold for 1900 to 2100")]
+    #[error("the year is {0}; positions hold for 1900 to 2099")]
     OutsideYears(i32),
     /// A quantity outside its range.
     #[error(transparent)]

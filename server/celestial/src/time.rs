@@ -4,8 +4,8 @@ use crate::error::CelestialError;
 use serde::{Serialize, Serializer};
 use time::{Date, Duration, Month, OffsetDateTime, UtcOffset, format_description::well_known::Rfc3339};
 
-/// First and last year that positions hold for: those of the Earth's (`epv00`).
-pub const YEARS: std::ops::RangeInclusive<i32> = 1900..=2100;
+/// First and last year that positions hold for: a hundred Julian years around J2000 (`epv00`).
+pub const YEARS: std::ops::RangeInclusive<i32> = 1900..=2099;
 /// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
 /// Julian date of the beginning of 1970, days.
@@ -13,7 +13,7 @@ const UNIX_EPOCH_JD: f64 = 2_440_587.5;
 /// TT − TAI, seconds.
 const TT_MINUS_TAI_S: f64 = 32.184;
 
-/// An instant of UTC, to some microseconds, in the years 1900 to 2100.
+/// An instant of UTC, to some microseconds, in the years 1900 to 2099.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Instant {
     /// Seconds since the beginning of 1970, without leap seconds.
@@ -111,7 +111,7 @@ impl Serialize for Instant {
     }
 }
 
-/// A date of the calendar, 1900 to 2100.
+/// A date of the calendar, 1900 to 2099.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CalendarDate(Date);
 
@@ -155,7 +155,10 @@ impl CalendarDate {
         if is_inside { Ok(Self(date)) } else { Err(CelestialError::OutsideYears(date.year())) }
     }
 
-    /// The date in UTC of an instant at a longitude, degrees, by local mean solar time.
+    /// The date that an instant has at a longitude, degrees, in local mean solar time.
+    ///
+    /// # Errors
+    /// [`CelestialError::OutsideYears`].
     pub fn of(instant: Instant, longitude_deg: f64) -> Result<Self, CelestialError> {
         let local_s = instant.unix_s() + longitude_deg / 360.0 * DAY_S;
         let time = OffsetDateTime::from_unix_timestamp(local_s.floor() as i64)
@@ -224,7 +227,7 @@ mod tests {
         for text in ["", "2026-08-20", "2026-08-20T23:16:00", "2026-02-30T00:00:00Z", "now"] {
             assert!(matches!(Instant::parse(text), Err(CelestialError::NoTime(_))), "{text}");
         }
-        for text in ["1899-12-31T23:59:59Z", "2101-01-01T00:00:00Z", "9999-01-01T00:00:00Z"] {
+        for text in ["1899-12-31T23:59:59Z", "2100-01-01T00:00:00Z", "9999-01-01T00:00:00Z"] {
             assert!(matches!(Instant::parse(text), Err(CelestialError::OutsideYears(_))), "{text}");
         }
         for unix_s in [f64::NAN, f64::INFINITY, -1e300] {
@@ -241,7 +244,7 @@ mod tests {
         }
         assert!(matches!(CalendarDate::month("2023-00"), Err(CelestialError::NoMonth(_))));
         assert!(matches!(CalendarDate::parse("1899-06-01"), Err(CelestialError::OutsideYears(1899))));
-        assert!(CalendarDate::parse("2100-12-31").is_err() && CalendarDate::parse("1900-01-03").is_ok());
+        assert!(CalendarDate::parse("2099-12-31").is_err() && CalendarDate::parse("1900-01-03").is_ok());
         let evening = Instant::parse("2026-08-20T23:16:00Z").unwrap();
         assert_eq!(CalendarDate::of(evening, 179.0).unwrap().to_string(), "2026-08-21");
         assert_eq!(CalendarDate::of(evening, -179.0).unwrap().to_string(), "2026-08-20");
