@@ -5,6 +5,7 @@
 //! queue, and is rendered together with compatible ones by the one thread that owns the device. Two executors
 //! run the same passes: WGSL on Vulkan, and plain Rust ([`twin`] holds the functions they share).
 
+pub mod celestial;
 mod config;
 pub mod cpu;
 mod device;

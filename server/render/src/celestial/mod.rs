@@ -1,0 +1,5 @@
+//! Skies of what shines outside the air: one beam, or light from everywhere, on the processor.
+
+pub mod node_skies;
+
+pub use node_skies::{BeamGrid, NodeSkies};
