@@ -60,6 +60,6 @@ pub use panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
 pub use seen_sky::{SeenSky, SkyPart};
 pub use sky_curve::SkyCurve;
 pub use sky_measure::LinearMeasure;
-pub use sky_quantities::{SKY_RESPONSES, SkyCover, SkyNumbers, SkyQuantities};
+pub use sky_quantities::{NaturalSky, SKY_RESPONSES, SkyNumbers, SkyQuantities};
 pub use source_pixel::{PointSource, SourcePixel};
 pub use spectrum::{LampPreset, Response};

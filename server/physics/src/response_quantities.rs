@@ -63,7 +63,7 @@ pub struct ResponseQuantities {
 }
 
 impl ResponseQuantities {
-    pub(crate) fn new(response: &Response, sums: &Sums, natural: f64) -> Self {
+    pub(crate) fn new(response: &Response, sums: &Sums, natural: f64, horizontal_natural: f64) -> Self {
         let zenith = ZenithValue::new(response, sums.zenith, natural);
         Self {
             response: zenith.response,
@@ -74,7 +74,7 @@ impl ResponseQuantities {
             zenith_total_brightness_mag_arcsec2: zenith.total_brightness_mag_arcsec2,
             mean: sums.mean,
             horizontal: sums.horizontal,
-            horizontal_total: sums.horizontal + sums.visible_projected_sr * natural,
+            horizontal_total: sums.horizontal + horizontal_natural,
             brightest: sums.brightest,
         }
     }

@@ -59,6 +59,15 @@ impl SeenSky {
         (values.len() == responses.len() * DIRECTION_COUNT).then_some(Self { responses, values })
     }
 
+    /// Adds what the same responses see of another sky; responses that the other lacks stay as they are.
+    pub fn add(&mut self, other: &SeenSky) {
+        for (response, plane) in self.responses.iter().zip(self.values.chunks_exact_mut(DIRECTION_COUNT)) {
+            for (value, other) in plane.iter_mut().zip(other.seen_by(response).unwrap_or_default()) {
+                *value += other;
+            }
+        }
+    }
+
     /// What is there to see it with.
     pub fn responses(&self) -> &[Response] {
         &self.responses
@@ -174,6 +183,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Two skies added are the sky of the parts of both.
+    #[test]
+    fn skies_add_up() {
+        let parts = [part(LampPreset::Hps, kernel(1.0)), part(LampPreset::Led4000k, kernel(2.0))];
+        let responses = [Response::Scotopic, Response::Photopic];
+        let mut sum = SeenSky::of(&parts[..1], &responses);
+        sum.add(&SeenSky::of(&parts[1..], &[Response::Photopic, Response::Scotopic]));
+        let both = SeenSky::of(&parts, &responses);
+        assert!(sum.values.iter().zip(&both.values).all(|(a, b)| (a - b).abs() <= 1e-6 * b));
+        sum.add(&SeenSky::of(&parts, &[Response::Dnb]));
+        assert!(sum.values.iter().zip(&both.values).all(|(a, b)| (a - b).abs() <= 1e-6 * b));
     }
 
     #[test]

@@ -18,8 +18,8 @@ pub use crate::sky_sums::ZENITH_CAP_RAD;
 /// Full width at half maximum of a Sky Quality Meter's response, radians (20°).
 pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
 
-/// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a
-/// uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+/// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
+/// natural sky: that of the `time` asked for, or without one a uniform sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
 /// the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
 /// alone, and what speaks of stars is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ pub struct SkyQuantities {
     pub zenith_total_luminance_cd_m2: f64,
     /// With the natural sky, mag arcsec⁻².
     pub zenith_total_brightness_mag_arcsec2: Option<f64>,
-    /// Artificial luminance at the zenith over the natural one of a clear sky.
+    /// Artificial luminance at the zenith over the natural one; under clouds over 22.0 mag arcsec⁻².
     pub ratio_to_natural: f64,
     /// As a Sky Quality Meter at the zenith sees it (its spectral response, Gaussian of 20° FWHM): the luminance of the magnitude that
     /// it would read of artificial light alone, cd m⁻².
@@ -124,19 +124,46 @@ pub fn vertical_illuminance_lx(luminance_cd_m2: &[f32], facing_azimuth_rad: f64)
     sum
 }
 
-/// Whether the natural sky is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SkyCover {
-    /// No cloud: a natural sky of 22.0 mag arcsec⁻², and stars.
-    Clear,
-    /// A closed layer of cloud that lets nothing natural through.
-    Overcast,
+/// What shines beside artificial light.
+#[derive(Clone, Copy, Debug)]
+pub enum NaturalSky<'a> {
+    /// Nothing: a closed layer of cloud lets nothing natural through, and there are no stars.
+    Hidden,
+    /// 22.0 mag arcsec⁻² in every direction.
+    Uniform,
+    /// That of an instant.
+    OfInstant {
+        /// Its kinds of light, dark where ground hides them.
+        parts: &'a [SkyPart],
+        /// What is seen of them, by the responses of [`SkyNumbers::seen`].
+        seen: &'a SeenSky,
+    },
 }
 
-impl SkyCover {
-    /// Overcast where there are clouds.
-    pub fn with_clouds(are_there: bool) -> Self {
-        if are_there { Self::Overcast } else { Self::Clear }
+impl NaturalSky<'_> {
+    /// Uniform but under clouds.
+    pub fn under_clouds(are_there: bool) -> Self {
+        if are_there { Self::Hidden } else { Self::Uniform }
+    }
+
+    /// Mean of what a response sees of it over the visible directions by the weight of their angles to the zenith.
+    fn mean(self, response: &Response, horizon: &Horizon, weight: impl Fn(f64) -> f64) -> f64 {
+        match self {
+            Self::Hidden => 0.0,
+            Self::Uniform => natural_sky_value(response),
+            Self::OfInstant { parts, .. } => value_of(parts, &mean_kernels(parts, horizon, weight), response),
+        }
+    }
+
+    /// ∫ sin(elevation) dΩ over the visible sky of what a response of [`SkyNumbers::seen`] sees of it.
+    fn horizontal(self, response: &Response, horizon: &Horizon, visible_projected_sr: f64) -> f64 {
+        match self {
+            Self::Hidden => 0.0,
+            Self::Uniform => visible_projected_sr * natural_sky_value(response),
+            Self::OfInstant { seen, .. } => {
+                Sums::of(seen.seen_by(response).unwrap_or_default(), horizon).horizontal
+            }
+        }
     }
 }
 
@@ -150,13 +177,13 @@ impl SkyQuantities {
     pub fn of_visible(parts: &[SkyPart], horizon: &Horizon) -> Self {
         let seen = SeenSky::of(parts, &SKY_RESPONSES);
         let numbers = SkyNumbers { parts, seen: &seen, horizon, response: &Response::Photopic };
-        Self::under(SkyCover::Clear, numbers)
+        Self::with(NaturalSky::Uniform, numbers)
     }
 
     /// All quantities of a sky of artificial light whose hidden samples are 0, as [`Horizon::darken`] leaves it.
-    pub fn under(cover: SkyCover, sky: SkyNumbers<'_>) -> Self {
-        let quantities = Self::with_natural(sky, cover == SkyCover::Clear);
-        if cover == SkyCover::Overcast {
+    pub fn with(natural: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
+        let quantities = Self::without_stars(natural, sky);
+        if matches!(natural, NaturalSky::Hidden) {
             return quantities;
         }
         Self {
@@ -166,16 +193,17 @@ impl SkyQuantities {
         }
     }
 
-    /// All but quantities of stars, with the natural sky or without.
-    fn with_natural(sky: SkyNumbers<'_>, has_natural: bool) -> Self {
+    /// All but quantities of stars.
+    fn without_stars(natural_sky: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
         let SkyNumbers { parts, seen, horizon, response } = sky;
-        let natural_of = |of: &Response| if has_natural { natural_sky_value(of) } else { 0.0 };
+        let natural_of = |of: &Response| natural_sky.mean(of, horizon, in_zenith_cap);
         let plane = |of: &Response| seen.seen_by(of).unwrap_or_default();
         let photopic = Sums::of(plane(&Response::Photopic), horizon);
         let natural = natural_of(&Response::Photopic);
         let at_zenith = mean_kernels(parts, horizon, in_zenith_cap);
         let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
-        let in_meter = mean_kernels(parts, horizon, |angle| (-0.5 * (angle / sigma) * (angle / sigma)).exp());
+        let meter = |angle: f64| (-0.5 * (angle / sigma) * (angle / sigma)).exp();
+        let in_meter = mean_kernels(parts, horizon, meter);
         let sqm = value_of(parts, &in_meter, &Response::Sqm);
         let zenith = photopic.zenith;
         let scotopic = weighted_mean(plane(&Response::Scotopic), horizon, in_zenith_cap);
@@ -189,12 +217,17 @@ impl SkyQuantities {
             zenith_brightness_mag_arcsec2: brightness_mag_arcsec2(zenith),
             zenith_total_luminance_cd_m2: zenith + natural,
             zenith_total_brightness_mag_arcsec2: total_brightness(zenith, natural),
-            ratio_to_natural: zenith / natural_sky_luminance_cd_m2(),
+            // Over what a clear sky would have, where clouds hide it; over nothing where all of the zenith is ground.
+            ratio_to_natural: zenith / if natural > 0.0 { natural } else { natural_sky_luminance_cd_m2() },
             sqm_luminance_cd_m2: sqm,
-            sqm_total_brightness_mag_arcsec2: total_brightness(sqm, natural_of(&Response::Sqm)),
+            sqm_total_brightness_mag_arcsec2: total_brightness(
+                sqm,
+                natural_sky.mean(&Response::Sqm, horizon, meter),
+            ),
             mean_luminance_cd_m2: photopic.mean,
             horizontal_illuminance_lx: photopic.horizontal,
-            horizontal_total_illuminance_lx: photopic.horizontal + photopic.visible_projected_sr * natural,
+            horizontal_total_illuminance_lx: photopic.horizontal
+                + natural_sky.horizontal(&Response::Photopic, horizon, photopic.visible_projected_sr),
             brightest_luminance_cd_m2: photopic.brightest,
             brightest_azimuth_deg: azimuth_rad(photopic.brightest_column).to_degrees(),
             brightest_elevation_deg: elevation_rad(photopic.brightest_row).to_degrees(),
@@ -211,7 +244,8 @@ impl SkyQuantities {
                 .collect(),
             seen: (*response != Response::Photopic).then(|| {
                 let sums = Sums::of(plane(response), horizon);
-                ResponseQuantities::new(response, &sums, natural_of(response))
+                let horizontal = natural_sky.horizontal(response, horizon, sums.visible_projected_sr);
+                ResponseQuantities::new(response, &sums, natural_of(response), horizontal)
             }),
         }
     }
@@ -293,13 +327,13 @@ mod tests {
     #[test]
     fn overcast_totals_are_artificial_light() {
         let (parts, open) = (uniform(1e-3), Horizon::flat());
-        let under = |cover: SkyCover, parts: &[SkyPart]| {
+        let under = |natural: NaturalSky<'_>, parts: &[SkyPart]| {
             let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
             let seen = SeenSky::of(parts, &responses);
             let response = &Response::Melanopic;
-            SkyQuantities::under(cover, SkyNumbers { parts, seen: &seen, horizon: &open, response })
+            SkyQuantities::with(natural, SkyNumbers { parts, seen: &seen, horizon: &open, response })
         };
-        let (clear, cloudy) = (under(SkyCover::Clear, &parts), under(SkyCover::Overcast, &parts));
+        let (clear, cloudy) = (under(NaturalSky::Uniform, &parts), under(NaturalSky::Hidden, &parts));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
         assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
         assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
@@ -309,7 +343,35 @@ mod tests {
         let (seen, total) = (clear.seen.unwrap(), cloudy.seen.unwrap());
         assert_eq!((seen.response.as_str(), seen.zenith, seen.mean), ("melanopic", total.zenith, total.mean));
         assert!(seen.zenith_total > seen.zenith && total.zenith_total == total.zenith);
-        assert_eq!(under(SkyCover::Overcast, &[]).zenith_total_brightness_mag_arcsec2, None);
+        assert_eq!(under(NaturalSky::Hidden, &[]).zenith_total_brightness_mag_arcsec2, None);
+    }
+
+    /// The natural sky of an instant is added to totals as its parts have it, and hidden where ground hides it.
+    #[test]
+    fn totals_have_the_natural_sky_of_an_instant() {
+        let (parts, natural) = (uniform(1e-3), uniform(2e-4));
+        let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
+        let [seen, natural_seen] = [&parts, &natural].map(|parts| SeenSky::of(parts, &responses));
+        let open = Horizon::flat();
+        let numbers =
+            SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response: &Response::Melanopic };
+        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen };
+        let found = SkyQuantities::with(sky, numbers);
+        let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
+        let seen = found.seen.unwrap();
+        for (total, value) in [
+            (found.zenith_total_luminance_cd_m2, found.zenith_luminance_cd_m2),
+            (found.horizontal_total_illuminance_lx, found.horizontal_illuminance_lx),
+            (found.zenith_by_response[1].total, found.zenith_by_response[1].value),
+            (seen.zenith_total, seen.zenith),
+            (seen.horizontal_total, seen.horizontal),
+        ] {
+            assert!((total / value - 1.2).abs() < 1e-5, "{total} {value}");
+        }
+        assert!((found.ratio_to_natural - 5.0).abs() < 1e-5);
+        let brighter = artificial.sqm_total_brightness_mag_arcsec2.unwrap()
+            - found.sqm_total_brightness_mag_arcsec2.unwrap();
+        assert!((brighter - 2.5 * 1.2f64.log10()).abs() < 1e-5, "{brighter}");
     }
 
     #[test]

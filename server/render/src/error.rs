@@ -37,6 +37,14 @@ pub enum RenderError {
         /// Highest allowed, metres.
         maximum_m: f64,
     },
+    /// Celestial tables that do not fit together.
+    #[error(
+        "the celestial tables do not fit together: {reason}; `skyglow precompute --part celestial` makes them"
+    )]
+    CelestialTables {
+        /// Why.
+        reason: String,
+    },
     /// No resident packs of this kind.
     #[error("no packs with {kind} are resident; resident is {}", listed(resident))]
     KindNotResident {

@@ -78,8 +78,7 @@ impl BeamGrid {
         for band in 0..BAND_COUNT {
             for node in 0..self.node_count {
                 let group = &mut spectra[node / FUNCTIONS_PER_GROUP * BAND_COUNT + band];
-                group.0[0][0][node % FUNCTIONS_PER_GROUP] =
-                    AZIMUTH_COUNT as f32 * self.row(band, node)[0];
+                group.0[0][0][node % FUNCTIONS_PER_GROUP] = AZIMUTH_COUNT as f32 * self.row(band, node)[0];
             }
         }
         spectra
@@ -99,12 +98,13 @@ impl NodeSkies {
     pub fn of(node_count: usize, sky: impl Fn(usize) -> Panorama + Sync, twiddles: &Twiddles) -> Self {
         let rows: Vec<Vec<GroupSpectra>> =
             (0..node_count).into_par_iter().map(|node| row_spectra(&sky(node), twiddles)).collect();
-        let mut spectra =
-            Vec::with_capacity(FREQUENCY_COUNT * BAND_COUNT * ROW_GROUPS * node_count);
+        let mut spectra = Vec::with_capacity(FREQUENCY_COUNT * BAND_COUNT * ROW_GROUPS * node_count);
         for f in 0..FREQUENCY_COUNT {
             for band in 0..BAND_COUNT {
                 for group in 0..ROW_GROUPS {
-                    spectra.extend(rows.iter().map(|of_node| Aligned(of_node[group * BAND_COUNT + band].0[f][0])));
+                    spectra.extend(
+                        rows.iter().map(|of_node| Aligned(of_node[group * BAND_COUNT + band].0[f][0])),
+                    );
                 }
             }
         }
@@ -123,8 +123,7 @@ impl NodeSkies {
         }
         let count = grid.frequency_count();
         let spectra = if count == 1 { grid.even_spectra() } else { grid.spectra(twiddles) };
-        let mut sums: Vec<FrequencySums> =
-            vec![Aligned([[[0.0; ELEVATION_COUNT]; 2]; BAND_COUNT]); count];
+        let mut sums: Vec<FrequencySums> = vec![Aligned([[[0.0; ELEVATION_COUNT]; 2]; BAND_COUNT]); count];
         let per_frequency = BAND_COUNT * ROW_GROUPS * self.node_count;
         sums.par_chunks_mut(FREQUENCIES_PER_TASK).enumerate().for_each(|(task, sums)| {
             let first = task * FREQUENCIES_PER_TASK;

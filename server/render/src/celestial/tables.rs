@@ -1,0 +1,266 @@
+//! Celestial tables of all turbidities: skies of beams between them, with what was made of the tables kept for the altitudes that were
+//! asked for last.
+
+use super::node_skies::{BeamGrid, NodeSkies};
+use crate::{
+    cpu::blend::blend,
+    error::RenderError,
+    twin::{Twiddles, twiddles},
+};
+use skyglow_physics::{BAND_COUNT, Panorama, Turbidity, interpolation::Stencil};
+use skyglow_tables::{CelestialTable, celestial_tables_in};
+use std::{
+    array::from_fn,
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+/// Bytes of skies at the zenith angles of tables that are kept at most: those of four altitudes in three tables take as much.
+pub const MAX_KEPT_BYTES: usize = 96 << 20;
+/// Turbidities nearer than this to a table's are that table's own.
+const SAME_TURBIDITY: f64 = 1e-9;
+
+/// Tables in ascending turbidity, all on the same zenith angles.
+pub struct CelestialTables {
+    tables: Vec<CelestialTable>,
+    turbidities: Vec<f64>,
+    twiddles: Twiddles,
+    /// Lately used last.
+    kept: Mutex<Vec<Kept>>,
+}
+
+struct Kept {
+    table: usize,
+    altitude_bits: u64,
+    skies: Arc<NodeSkies>,
+}
+
+impl std::fmt::Debug for CelestialTables {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("CelestialTables").field("turbidities", &self.turbidities).finish()
+    }
+}
+
+impl CelestialTables {
+    /// Opens all in a folder; None where there are none.
+    ///
+    /// # Errors
+    /// [`RenderError::Tables`] naming the file that is refused, [`RenderError::CelestialTables`].
+    pub fn open(folder: &Path) -> Result<Option<Self>, RenderError> {
+        let paths = celestial_tables_in(folder)?;
+        let tables: Vec<CelestialTable> =
+            paths.iter().map(|path| CelestialTable::open(path)).collect::<Result<_, _>>()?;
+        if tables.is_empty() { Ok(None) } else { Self::new(tables).map(Some) }
+    }
+
+    /// From tables in any order, at least one.
+    ///
+    /// # Errors
+    /// [`RenderError::CelestialTables`] where there is none, zenith angles differ, or a turbidity comes twice.
+    pub fn new(mut tables: Vec<CelestialTable>) -> Result<Self, RenderError> {
+        tables.sort_by(|a, b| a.turbidity().total_cmp(&b.turbidity()));
+        let turbidities: Vec<f64> = tables.iter().map(CelestialTable::turbidity).collect();
+        let refused = |reason: &str| RenderError::CelestialTables { reason: reason.to_owned() };
+        let first = tables.first().ok_or_else(|| refused("there is none"))?;
+        if tables.iter().any(|table| table.zenith_angle_rad() != first.zenith_angle_rad()) {
+            return Err(refused("their zenith angles differ"));
+        }
+        if !turbidities.is_sorted_by(|a, b| a < b) {
+            return Err(refused("a turbidity comes twice"));
+        }
+        Ok(Self { tables, turbidities, twiddles: twiddles(), kept: Mutex::default() })
+    }
+
+    /// Smallest and largest turbidity.
+    pub fn turbidity_range(&self) -> (f64, f64) {
+        (self.turbidities[0], self.turbidities[self.turbidities.len() - 1])
+    }
+
+    /// BLAKE3 of each, hexadecimal, one after another.
+    pub fn checksums(&self) -> String {
+        self.tables.iter().map(CelestialTable::checksum).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Zenith angles of beams that grids are on, rad, ascending.
+    pub fn zenith_angles_rad(&self) -> &[f64] {
+        self.tables[0].zenith_angle_rad()
+    }
+
+    /// Tables around a turbidity, which counts as the nearest one where it lies beyond all.
+    fn around(&self, turbidity: Turbidity) -> Stencil {
+        Stencil::lagrange_or_node(&self.turbidities, turbidity.value(), SAME_TURBIDITY)
+    }
+
+    /// Scattered light of a beam of unit irradiance, sr⁻¹, from a true zenith angle and azimuth, rad; in the logarithm between
+    /// turbidities.
+    pub fn beam_sky(
+        &self,
+        turbidity: Turbidity,
+        (zenith_angle_rad, azimuth_rad): (f64, f64),
+        observer_altitude_m: f64,
+    ) -> Panorama {
+        let beam =
+            |table: usize| self.tables[table].beam_sky(zenith_angle_rad, azimuth_rad, observer_altitude_m);
+        blended(&self.around(turbidity), beam)
+    }
+
+    /// Scattered light of all beams of a grid on [`Self::zenith_angles_rad`], in the grid's unit per sr; dark where it is on others.
+    pub fn grid_sky(&self, turbidity: Turbidity, grid: &BeamGrid, observer_altitude_m: f64) -> Panorama {
+        let sky = |table: usize| {
+            let skies = self.node_skies(table, observer_altitude_m);
+            skies.sky(grid, &self.twiddles).unwrap_or_else(Panorama::dark)
+        };
+        blended(&self.around(turbidity), sky)
+    }
+
+    /// Share of a beam that reaches the observer directly, by band; 0 below the horizon.
+    pub fn transmittance(
+        &self,
+        turbidity: Turbidity,
+        zenith_angle_rad: f64,
+        observer_altitude_m: f64,
+    ) -> [f64; BAND_COUNT] {
+        let stencil = self.around(turbidity);
+        let shares: Vec<[f64; BAND_COUNT]> = stencil
+            .nodes()
+            .map(|table| self.tables[table].transmittance(zenith_angle_rad, observer_altitude_m))
+            .collect();
+        from_fn(|band| {
+            // Optical depth is linear in turbidity; where the edge of the shadow lies between tables, the nearest decides.
+            let depth = |at: usize| -shares[at - stencil.nodes().start][band].max(1e-30).ln();
+            let is_dark = shares.iter().any(|share| share[band] <= 0.0);
+            if is_dark { 0.0 } else { (-stencil.sum(depth)).exp() }
+        })
+    }
+
+    /// Bytes of what is kept.
+    pub fn kept_bytes(&self) -> usize {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().map(|kept| kept.skies.byte_count()).sum()
+    }
+
+    fn node_skies(&self, table: usize, observer_altitude_m: f64) -> Arc<NodeSkies> {
+        let altitude_bits = observer_altitude_m.to_bits();
+        let is_it = |kept: &Kept| kept.table == table && kept.altitude_bits == altitude_bits;
+        {
+            let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(place) = kept.iter().position(is_it) {
+                let found = kept.remove(place);
+                let skies = Arc::clone(&found.skies);
+                kept.push(found);
+                return skies;
+            }
+        }
+        // Outside the lock: others go on meanwhile, and one of two that make the same is dropped.
+        let of = &self.tables[table];
+        let node_count = of.zenith_angle_rad().len();
+        let sky = |node: usize| of.node_sky(node, observer_altitude_m);
+        let skies = Arc::new(NodeSkies::of(node_count, sky, &self.twiddles));
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if !kept.iter().any(is_it) {
+            kept.push(Kept { table, altitude_bits, skies: Arc::clone(&skies) });
+        }
+        let mut bytes: usize = kept.iter().map(|kept| kept.skies.byte_count()).sum();
+        while bytes > MAX_KEPT_BYTES && kept.len() > 1 {
+            bytes -= kept.remove(0).skies.byte_count();
+        }
+        skies
+    }
+}
+
+/// Skies of the tables of a stencil, as the lamps' skies of packs are blended.
+fn blended(stencil: &Stencil, sky: impl Fn(usize) -> Panorama) -> Panorama {
+    let mut skies: Vec<Panorama> = stencil.nodes().map(sky).collect();
+    if skies.len() == 1 {
+        return skies.swap_remove(0);
+    }
+    let sources: Vec<&[f32]> = skies.iter().map(Panorama::samples).collect();
+    Panorama::from_samples(blend(&sources, stencil, true)).unwrap_or_else(Panorama::dark)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::AZIMUTH_COUNT;
+
+    fn tables(turbidities: &[f64]) -> CelestialTables {
+        let table = |turbidity: &f64| CelestialTable::synthetic(Turbidity::new(*turbidity).unwrap());
+        CelestialTables::new(turbidities.iter().map(table).collect()).unwrap()
+    }
+
+    /// A beam of one zenith angle and azimuth as a grid.
+    fn single_beam(tables: &CelestialTables, node: usize, column: usize) -> BeamGrid {
+        let nodes = tables.zenith_angles_rad().len();
+        let mut irradiance = vec![0.0; BAND_COUNT * nodes * AZIMUTH_COUNT];
+        for band in 0..BAND_COUNT {
+            irradiance[(band * nodes + node) * AZIMUTH_COUNT + column] = 2.0;
+        }
+        BeamGrid::new(nodes, irradiance).unwrap()
+    }
+
+    fn largest_difference(a: &Panorama, b: &Panorama, factor: f32) -> f32 {
+        let relative = |(a, b): (&f32, &f32)| (a / (factor * b) - 1.0).abs();
+        a.samples().iter().zip(b.samples()).map(relative).fold(0.0, f32::max)
+    }
+
+    /// A grid with one beam is that beam, between turbidities too.
+    #[test]
+    fn a_grid_of_one_beam_is_that_beam() {
+        let tables = tables(&[2.0, 3.0, 4.0]);
+        let (node, column) = (12, 40);
+        let direction = (tables.zenith_angles_rad()[node], skyglow_physics::panorama::azimuth_rad(column));
+        for turbidity in [2.0, 2.6] {
+            let turbidity = Turbidity::new(turbidity).unwrap();
+            let grid = tables.grid_sky(turbidity, &single_beam(&tables, node, column), 700.0);
+            let beam = tables.beam_sky(turbidity, direction, 700.0);
+            assert!(
+                largest_difference(&grid, &beam, 2.0) < 2e-3,
+                "{}",
+                largest_difference(&grid, &beam, 2.0)
+            );
+        }
+        let other = tables.beam_sky(Turbidity::new(2.0).unwrap(), (direction.0, 0.0), 700.0);
+        let grid = tables.grid_sky(Turbidity::new(2.0).unwrap(), &single_beam(&tables, node, column), 700.0);
+        assert!(largest_difference(&grid, &other, 2.0) > 0.1);
+    }
+
+    /// What is kept changes no bit and stays within its bytes.
+    #[test]
+    fn kept_skies_are_bounded_and_change_no_bit() {
+        let tables = tables(&[2.5]);
+        let turbidity = Turbidity::new(2.5).unwrap();
+        let grid = single_beam(&tables, 5, 9);
+        let first = tables.grid_sky(turbidity, &grid, 100.0);
+        let one = tables.kept_bytes();
+        assert_eq!(tables.grid_sky(turbidity, &grid, 100.0), first);
+        assert_eq!(tables.kept_bytes(), one);
+        for altitude in 0..MAX_KEPT_BYTES / one + 2 {
+            tables.grid_sky(turbidity, &grid, 200.0 + altitude as f64);
+        }
+        assert!(tables.kept_bytes() <= MAX_KEPT_BYTES && tables.kept_bytes() + one > MAX_KEPT_BYTES);
+        assert_eq!(tables.grid_sky(turbidity, &grid, 100.0), first);
+    }
+
+    /// Less comes through thicker air and nothing from below the horizon.
+    #[test]
+    fn transmittance_lies_between_tables() {
+        let tables = tables(&[2.0, 4.0]);
+        let at = |turbidity: f64, zenith: f64| {
+            tables.transmittance(Turbidity::new(turbidity).unwrap(), zenith, 0.0)[0]
+        };
+        let (thin, middle, thick) = (at(2.0, 1.0), at(3.0, 1.0), at(4.0, 1.0));
+        assert!(thin >= middle && middle >= thick && thick > 0.0, "{thin} {middle} {thick}");
+        assert_eq!((at(2.0, 1.8), at(3.0, 1.8)), (0.0, 0.0));
+    }
+
+    /// Tables that do not fit together are refused with the reason.
+    #[test]
+    fn tables_that_do_not_fit_are_refused() {
+        let table = |turbidity: f64| CelestialTable::synthetic(Turbidity::new(turbidity).unwrap());
+        for (tables, said) in [(Vec::new(), "none"), (vec![table(2.0), table(2.0)], "twice")] {
+            assert!(CelestialTables::new(tables).unwrap_err().to_string().contains(said));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        assert!(CelestialTables::open(folder.path()).unwrap().is_none());
+    }
+}
