@@ -3,6 +3,7 @@
 mod assumptions;
 mod brightness;
 mod influence;
+mod night_sky;
 mod panorama;
 mod plan;
 mod scenario;
@@ -15,6 +16,9 @@ pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, R
 pub use brightness::{BrightnessAssumptions, brightness_shows};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
+};
+pub use night_sky::{
+    ComponentAnswer, DirectionLimitAnswer, MoonAnswer, NightSkyAnswer, PlanetSeenAnswer, SunAnswer,
 };
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
 pub use plan::{

@@ -10,7 +10,7 @@ use skyglow_display::{
     picture, raster,
 };
 use skyglow_observatory::RenderedSky;
-use skyglow_physics::{SeenSky, spectrum::RGB_BANDS};
+use skyglow_physics::spectrum::RGB_BANDS;
 use std::cell::OnceCell;
 use thiserror::Error;
 
@@ -36,12 +36,16 @@ pub fn draw(
     view: &PictureRequest,
     format: Format,
 ) -> Result<Vec<u8>, DrawingError> {
-    let options = PictureOptions { illustrative: assumptions.scene.illustrative, ..view.options };
+    let total = sky.seen_with_night().filter(|_| view.options.sky == Sky::Total);
+    let light = if total.is_some() { Sky::TotalOfInstant } else { view.options.sky };
+    let options =
+        PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
-    let image = || picture(&sky.seen, &sky.response, &sky.horizon, &options);
+    let image =
+        || picture(total.as_ref().unwrap_or(&sky.seen), &sky.response, &sky.horizon, &options);
     let bands = OnceCell::new();
     let floats = || {
-        let bands = bands.get_or_init(|| SeenSky::of(&sky.parts, &RGB_BANDS));
+        let bands = bands.get_or_init(|| sky.seen_by(&RGB_BANDS, total.is_some()));
         raster(bands, &sky.horizon, options.projection, view.raster_size_px, options.sky)
     };
     Ok(match format {
@@ -49,7 +53,7 @@ pub fn draw(
         Format::WebP => encode_webp(&image()?, &notes)?,
         Format::Exr => encode_exr(&floats()?, &notes)?,
         Format::Tiff => encode_tiff(&floats()?, &notes)?,
-        Format::Json => serde_json::to_vec(&PanoramaAnswer::new(assumptions, sky, options.sky))?,
+        Format::Json => serde_json::to_vec(&PanoramaAnswer::new(assumptions, sky, view.options.sky))?,
     })
 }
 
@@ -59,6 +63,7 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
     let light = match light {
         Sky::Artificial => "artificial light alone",
         Sky::Total => "artificial light with the natural sky",
+        Sky::TotalOfInstant => "artificial light with the natural sky of the time",
     };
     let mut words = format!(
         "Sky at {:.5}, {:.5} from {:.0} m: {light}; scene {}, turbidity {}, scattering {}, lamp {}, emission {}, coverage {:.2}",
@@ -72,6 +77,9 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
         assumptions.emission.preset.as_deref().unwrap_or("custom"),
         assumptions.coverage,
     );
+    if let Some(time) = &assumptions.time {
+        words.push_str(&format!(", time {time}"));
+    }
     if assumptions.clouds != "none" {
         words.push_str(&format!(", clouds at {} m", assumptions.clouds));
     }

@@ -78,7 +78,9 @@ pub struct SourceFacts {
     pub any_cloud_albedo: Option<f64>,
     /// Lowest and highest observer altitude resident, metres.
     pub altitude_range_m: (f64, f64),
-    /// Checksums of all resident packs, one after another; part of every ETag.
+    /// Smallest and largest turbidity of the resident celestial tables, which the natural sky of a time needs; None without any.
+    pub celestial_turbidity_range: Option<(f64, f64)>,
+    /// Checksums of all resident packs and celestial tables, one after another; part of every ETag.
     pub pack_checksums: String,
 }
 

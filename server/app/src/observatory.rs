@@ -13,7 +13,7 @@ use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
     ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest, Watch,
 };
-use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind};
+use skyglow_render::{celestial::CelestialTables, EngineStats, LeftOutPack, PackKind, ResidentKind};
 use skyglow_scene::{
     Account, ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario,
     SceneError, SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
@@ -34,6 +34,7 @@ impl ObservatorySource {
     /// Puts an observatory behind the interface.
     pub fn new(observatory: Arc<Observatory>) -> Self {
         let info = observatory.engine().info();
+        let celestial = observatory.celestial_tables();
         let facts = SourceFacts {
             executor: info.executor.name().to_owned(),
             adapter: info.adapter.clone(),
@@ -41,11 +42,13 @@ impl ObservatorySource {
             kinds: info.kinds.iter().map(|kind| kind_facts(kind, observatory.atmospheres())).collect(),
             any_cloud_albedo: None,
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
+            celestial_turbidity_range: celestial.map(CelestialTables::turbidity_range),
             pack_checksums: observatory
                 .engine()
                 .tables()
                 .iter()
-                .map(|tables| tables.checksum.as_str())
+                .map(|tables| tables.checksum.clone())
+                .chain(celestial.map(CelestialTables::checksums))
                 .collect::<Vec<_>>()
                 .join(" "),
         };

@@ -175,8 +175,15 @@ parameters! {
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`.
     TOLERANCE = "tolerance", Kind::Number { minimum: 0.0001, maximum: 0.5, unit: "" }, "", false;
-    /// Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻².
-    SKY = "sky", Kind::Choice(&["artificial", "total"]), "artificial", false;
+    /// Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`.
+    SKY = "sky", Kind::Choice(&["artificial", "total"]), "", false;
+    /// When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`.
+    TIME = "time", Kind::Text {
+        allowed: "a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00",
+        pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}[Tt ][0-9]{2}:[0-9]{2}:[0-9]{2}([.][0-9]{1,9})?([Zz]|[+ -][0-9]{2}:[0-9]{2})$",
+    }, "", false;
+    /// Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone.
+    SOLAR_FLUX = "solar_flux", Kind::Number { minimum: 50.0, maximum: 400.0, unit: " sfu" }, "100", false;
     /// Id of a scenario or plan of the scene: its lights are as that says.
     SCENARIO = "scenario", Kind::Text {
         allowed: "s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer",
@@ -241,7 +248,8 @@ parameters! {
 }
 
 /// Parameters that others exclude, or that mean something beside others alone.
-const CONDITIONAL: [Parameter; 7] = [HEIGHT, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
+const CONDITIONAL: [Parameter; 8] =
+    [HEIGHT, SOLAR_FLUX, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
 
 /// A set of parameters for `#[utoipa::path(params(…))]` and for the reader.
 pub trait ParameterSet {
@@ -292,7 +300,7 @@ parameter_sets! {
     /// Those of a sky.
     SkyParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, SCENARIO,
+        SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those of a sky that is summed over every light: it has no basis.
     ReferenceParameters = [
@@ -313,17 +321,17 @@ parameter_sets! {
     /// Those of a panorama's raw grid.
     GridParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, SCENARIO,
+        SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
     RasterParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
     ];
     /// Those of a panorama as a picture.
     PanoramaParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
 }

@@ -90,6 +90,7 @@ fn widest_facts() -> SourceFacts {
         kinds: Scattering::ALL.iter().map(kind).collect(),
         any_cloud_albedo: Some(CloudBase::DEFAULT_ALBEDO),
         altitude_range_m: (0.0, 100_000.0),
+        celestial_turbidity_range: Some((Turbidity::MINIMUM, Turbidity::MAXIMUM)),
         pack_checksums: String::new(),
     }
 }

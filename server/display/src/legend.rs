@@ -138,6 +138,7 @@ fn light(sky: Sky) -> &'static str {
     match sky {
         Sky::Artificial => "artificial light alone",
         Sky::Total => "with the natural sky",
+        Sky::TotalOfInstant => "with the natural sky of the time",
     }
 }
 
@@ -184,7 +185,7 @@ fn draw_bar(
     pen.draw(canvas, lower_unit, (unit_x, bar_bottom + 4.0 * scale), Align::Left, LABEL_RGB);
     if options.width_px >= 640 {
         let note = Pen::new(10.0 * scale)?;
-        let light = if options.sky == Sky::Total { "total" } else { "artificial" };
+        let light = if options.sky == Sky::Artificial { "artificial" } else { "total" };
         let words = match response {
             Response::Photopic => light.to_owned(),
             other => format!("{light}, {}", other.name()),

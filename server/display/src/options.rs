@@ -95,13 +95,15 @@ pub enum Sky {
     Artificial,
     /// With the natural sky: uniform 22.0 mag arcsec⁻², as much light at every wavelength.
     Total,
+    /// With the natural sky of an instant, which what is shown has in it already.
+    TotalOfInstant,
 }
 
 impl Sky {
     /// What this choice adds of the natural sky in every direction, in the response's unit.
     pub fn added(self, response: &Response) -> f64 {
         match self {
-            Sky::Artificial => 0.0,
+            Sky::Artificial | Sky::TotalOfInstant => 0.0,
             Sky::Total => natural_sky_value(response),
         }
     }

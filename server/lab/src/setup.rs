@@ -53,6 +53,7 @@ pub fn open_sky(scene: SceneId, place: GeoPoint, turbidity: Turbidity) -> SkyReq
         basis: None,
         tolerance: None,
         terrain_hides: false,
+        time: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What can go wrong between a question about a place and its answer.
 
+use skyglow_celestial::CelestialError;
 use skyglow_physics::PhysicsError;
 use skyglow_render::RenderError;
 use skyglow_scene::{ChangeError, ChangeStoreError, SceneError};
@@ -31,6 +32,12 @@ pub enum ObservatoryError {
         /// West, south, east, north of the scene, degrees.
         bounds: [f64; 4],
     },
+    /// A time, or a condition of the sky, that the heavens have no answer to.
+    #[error(transparent)]
+    Celestial(#[from] CelestialError),
+    /// A sky of an instant without celestial tables.
+    #[error("there are no celestial tables beside the packs; `skyglow precompute --part celestial` makes them")]
+    NoCelestialTables,
     /// A scene that is not there or cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),

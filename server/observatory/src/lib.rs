@@ -9,6 +9,7 @@ mod influence_cache;
 mod influence_map;
 mod influence_part;
 mod influence_summary;
+pub mod night_sky;
 mod observatory;
 mod plan_request;
 mod plan_target;
@@ -29,6 +30,7 @@ pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, SeenMeasure,
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_part::Part;
 pub use influence_summary::{RING_EDGES_M, SECTOR_COUNT};
+pub use night_sky::{ComponentSky, NightSky, SkyTime};
 pub use observatory::{OPEN_SCENE_COUNT, Observatory};
 pub use plan_request::{
     DimmedPixel, Level, Limit, PlanMethod, PlanOutcome, PlanRequest, SiteOutcome, SitePlan, SkyState,

@@ -9,7 +9,7 @@ use crate::{
     sky::{RenderedSky, SkyRequest},
     surroundings::Surroundings,
 };
-use skyglow_render::{RenderError, engine::Engine, pack_kind::PackKind};
+use skyglow_render::{RenderError, celestial::CelestialTables, engine::Engine, pack_kind::PackKind};
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, UploadFolder,
 };
@@ -26,6 +26,7 @@ pub struct Observatory {
     pub(crate) scenes: SceneCache,
     pub(crate) manifests: Vec<Manifest>,
     pub(crate) influences: InfluenceCache,
+    celestial: Option<Arc<CelestialTables>>,
 }
 
 impl Observatory {
@@ -46,7 +47,18 @@ impl Observatory {
     ) -> Self {
         let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
         let scenes = SceneCache::new(scenes, changes, open_scene_count, sizes);
-        Self { engine, scenes, manifests, influences: InfluenceCache::new(sizes) }
+        Self { engine, scenes, manifests, influences: InfluenceCache::new(sizes), celestial: None }
+    }
+
+    /// The same with tables for the natural sky of an instant.
+    #[must_use]
+    pub fn with_celestial_tables(self, tables: CelestialTables) -> Self {
+        Self { celestial: Some(Arc::new(tables)), ..self }
+    }
+
+    /// Tables for the natural sky of an instant.
+    pub fn celestial_tables(&self) -> Option<&CelestialTables> {
+        self.celestial.as_deref()
     }
 
     /// The engine: readiness, counters, what it runs on.
@@ -141,15 +153,17 @@ impl Observatory {
         let hides_lights = self.hides_lights(request.kind());
         let basis = self.engine.basis_chooser();
         let wanted = Arc::clone(&request);
+        let celestial = self.celestial.clone();
         let prepare = move || {
             let surroundings = Surroundings::of(&view, &wanted, hides_lights)?;
             let to_render = surroundings.render_requests(&wanted, &basis)?;
-            Ok::<_, ObservatoryError>((surroundings, to_render))
+            let night = surroundings.night_sky(&wanted, celestial.as_deref())?;
+            Ok::<_, ObservatoryError>((surroundings, night, to_render))
         };
-        let (surroundings, (to_render, bound)) =
+        let (surroundings, night, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| RenderError::Stopped)??;
         let rendered = self.engine.render_each(&to_render).await?;
-        Ok(surroundings.finish(&request, rendered, bound))
+        Ok(surroundings.finish(&request, rendered, bound, night))
     }
 
     /// A sky of the scene as it is now, for threads outside an asynchronous runtime. Panics inside one.
@@ -168,8 +182,9 @@ impl Observatory {
         request: &SkyRequest,
     ) -> Result<RenderedSky, ObservatoryError> {
         let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
+        let night = surroundings.night_sky(request, self.celestial_tables())?;
         let rendered = self.engine.render_each_blocking(&to_render)?;
-        Ok(surroundings.finish(request, rendered, bound))
+        Ok(surroundings.finish(request, rendered, bound, night))
     }
 
     /// Whether the packs of a kind know sources behind skylines.

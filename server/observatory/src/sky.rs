@@ -1,8 +1,9 @@
 //! A sky request, and the rendered sky that answers it.
 
+use crate::night_sky::{NightSky, SkyTime};
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Response, SKY_RESPONSES, SeenSky, SkyCover,
+    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Response, NaturalSky, SKY_RESPONSES, SeenSky,
     SkyNumbers, SkyPart, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
@@ -57,6 +58,8 @@ pub struct SkyRequest {
     pub tolerance: Option<f64>,
     /// Whether the scene's terrain hides the sky below the observer's horizon.
     pub terrain_hides: bool,
+    /// When, for the natural sky of an instant; None for one of 22.0 mag arcsec⁻² whenever it is.
+    pub time: Option<SkyTime>,
 }
 
 impl SkyRequest {
@@ -101,6 +104,8 @@ pub struct RenderedSky {
     pub response: Response,
     /// Below it terrain hides the sky; flat where nothing does.
     pub horizon: Horizon,
+    /// The natural sky of the instant that was asked for.
+    pub night: Option<NightSky>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// What its numbers depend on beside the request.
@@ -111,28 +116,60 @@ pub struct RenderedSky {
 
 impl RenderedSky {
     /// The sky of parts over an open horizon, of which what lies below `horizon` becomes dark.
-    pub fn new(
+    pub fn new(request: &SkyRequest, parts: Vec<SkyPart>, horizon: Horizon, context: RenderContext) -> Self {
+        Self::with_night(request, parts, horizon, context, None)
+    }
+
+    /// The same with the natural sky of an instant, which is dark there already.
+    pub(crate) fn with_night(
         request: &SkyRequest,
         mut parts: Vec<SkyPart>,
         horizon: Horizon,
         context: RenderContext,
+        night: Option<NightSky>,
     ) -> Self {
         parts.iter_mut().for_each(|part| horizon.darken(&mut part.kernel));
-        let mut responses = SKY_RESPONSES.to_vec();
-        if !responses.contains(&request.response) {
-            responses.push(request.response.clone());
-        }
-        let seen = SeenSky::of(&parts, &responses);
-        let cover = SkyCover::with_clouds(request.cloud_base_m.is_some());
+        let seen = SeenSky::of(&parts, &responses_of(request));
+        let natural = match &night {
+            _ if request.cloud_base_m.is_some() => NaturalSky::Hidden,
+            Some(night) => NaturalSky::OfInstant { parts: night.parts(), seen: night.seen() },
+            None => NaturalSky::Uniform,
+        };
         let numbers =
             SkyNumbers { parts: &parts, seen: &seen, horizon: &horizon, response: &request.response };
-        let quantities = SkyQuantities::under(cover, numbers);
+        let quantities = SkyQuantities::with(natural, numbers);
         let response = request.response.clone();
-        Self { parts, seen, response, horizon, quantities, context, passes: Vec::new() }
+        Self { parts, seen, response, horizon, night, quantities, context, passes: Vec::new() }
     }
 
     /// What the response of the request sees, `[row][column]`, in its unit.
     pub fn values(&self) -> &[f32] {
         self.seen.seen_by(&self.response).unwrap_or_default()
     }
+
+    /// Artificial light and the natural sky of the instant, by the responses of [`Self::seen`]; None where no time was asked for.
+    pub fn seen_with_night(&self) -> Option<SeenSky> {
+        let mut seen = self.seen.clone();
+        seen.add(self.night.as_ref()?.seen());
+        Some(seen)
+    }
+
+    /// What other responses see of all there is: artificial light, and the natural sky of the instant where a time was asked for and
+    /// `with_night`.
+    pub fn seen_by(&self, responses: &[Response], with_night: bool) -> SeenSky {
+        let mut seen = SeenSky::of(&self.parts, responses);
+        if let Some(night) = self.night.as_ref().filter(|_| with_night) {
+            seen.add(&SeenSky::of(night.parts(), responses));
+        }
+        seen
+    }
+}
+
+/// What the numbers and pictures of a request need.
+pub(crate) fn responses_of(request: &SkyRequest) -> Vec<Response> {
+    let mut responses = SKY_RESPONSES.to_vec();
+    if !responses.contains(&request.response) {
+        responses.push(request.response.clone());
+    }
+    responses
 }

@@ -2,12 +2,14 @@
 
 use crate::{
     error::ObservatoryError,
+    night_sky::{NightSky, Overhead},
     scene_view::SceneView,
-    sky::{RenderContext, RenderedSky, SkyRequest},
+    sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
 use skyglow_physics::{Atmosphere, BAND_COUNT, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyPart};
 use skyglow_render::{
     PassTime,
+    celestial::CelestialTables,
     request::{RenderRequest, Rendered},
     truncation::BasisChooser,
 };
@@ -124,22 +126,47 @@ impl Surroundings {
         Ok((parts, Some(together * bound)))
     }
 
+    /// The natural sky of the instant that is asked for; None where none is, and under clouds.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::NoCelestialTables`].
+    pub(crate) fn night_sky(
+        &self,
+        request: &SkyRequest,
+        tables: Option<&CelestialTables>,
+    ) -> Result<Option<(NightSky, Duration)>, ObservatoryError> {
+        let Some(time) = request.time.filter(|_| request.cloud_base_m.is_none()) else { return Ok(None) };
+        let start = Instant::now();
+        let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
+        let open = Horizon::flat();
+        let horizon = self.horizon.as_ref().map_or(&open, |(horizon, _)| horizon);
+        let over = Overhead { place: request.place, altitude_m: self.altitude_m, horizon, turbidity: request.turbidity };
+        let night = NightSky::new(tables, &over, time, &responses_of(request))?;
+        Ok(Some((night, start.elapsed())))
+    }
+
     /// The sky with what it depends on, dark below the horizon; `rendered` is one sky for each kind of fixture.
     pub(crate) fn finish(
         self,
         request: &SkyRequest,
         rendered: Vec<Rendered>,
         basis_error_bound: Option<f64>,
+        night: Option<(NightSky, Duration)>,
     ) -> RenderedSky {
         let basis_count = rendered.iter().map(|rendered| rendered.basis_count).max().unwrap_or_default();
         let context = self.context(request, basis_count, basis_error_bound);
         let lights: Vec<_> = self.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp)).collect();
         let (horizon, time) = self.horizon.unzip();
-        let time = time.map(|time| PassTime { name: "horizon", microseconds: 1e6 * time.as_secs_f64() });
-        let passes = time.into_iter().chain(times_together(&rendered)).collect();
+        let (night, night_time) = night.unzip();
+        let timed = |name, time: Option<Duration>| {
+            time.map(|time| PassTime { name, microseconds: 1e6 * time.as_secs_f64() })
+        };
+        let before = [timed("horizon", time), timed("night sky", night_time)].into_iter().flatten();
+        let passes = before.chain(times_together(&rendered)).collect();
         let parts = lights.into_iter().zip(rendered);
         let parts = parts.map(|(light, rendered)| SkyPart { light, kernel: rendered.panorama }).collect();
-        RenderedSky { passes, ..RenderedSky::new(request, parts, horizon.unwrap_or_default(), context) }
+        let horizon = horizon.unwrap_or_default();
+        RenderedSky { passes, ..RenderedSky::with_night(request, parts, horizon, context, night) }
     }
 }
 

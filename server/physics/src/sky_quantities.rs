@@ -104,6 +104,18 @@ fn mean_kernels(parts: &[SkyPart], horizon: &Horizon, weight: impl Fn(f64) -> f6
     parts.iter().map(|part| std::array::from_fn(|node| mean(part, node))).collect()
 }
 
+impl SkyPart {
+    /// What a response sees of a part that is dark where ground hides it: the mean within 5° of the zenith, and over the visible sky.
+    pub fn zenith_and_mean(&self, response: &Response, horizon: &Horizon) -> [f64; 2] {
+        let parts = std::slice::from_ref(self);
+        let everywhere = |_: f64| 1.0;
+        [
+            value_of(parts, &mean_kernels(parts, horizon, in_zenith_cap), response),
+            value_of(parts, &mean_kernels(parts, horizon, everywhere), response),
+        ]
+    }
+}
+
 /// What a response sees of lights behind their kernels.
 fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Response) -> f64 {
     let of_parts = parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel));

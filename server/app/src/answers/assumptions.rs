@@ -159,6 +159,12 @@ pub struct Assumptions {
     pub clouds: String,
     /// Lambertian albedo of that base from below; null where there are no clouds.
     pub cloud_albedo: Option<f64>,
+    /// The time that the natural sky is of; absent where none was asked for, and it is 22.0 mag arcsec⁻² in every direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
+    /// Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent without a time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solar_flux_sfu: Option<f64>,
     /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
     /// terrain.
     pub terrain_occlusion: bool,
@@ -220,6 +226,8 @@ impl Assumptions {
             emission: request.emission.into(),
             clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(request),
+            time: request.time.map(|time| time.instant.to_rfc3339()),
+            solar_flux_sfu: request.time.map(|time| time.solar_flux_sfu),
             terrain_occlusion: request.terrain_hides && scene.terrain,
             hidden_lights: hides_lights(request.terrain_hides, scene, kind),
             flux_within_300_km_dnb_w: context.flux_dnb_w,

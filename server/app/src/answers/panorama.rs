@@ -4,7 +4,7 @@ use super::Assumptions;
 use serde::Serialize;
 use skyglow_display::Sky;
 use skyglow_observatory::RenderedSky;
-use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, SeenSky, SkyQuantities, spectrum::RGB_BANDS};
+use skyglow_physics::{AZIMUTH_COUNT, ELEVATION_COUNT, SkyQuantities, spectrum::RGB_BANDS};
 use utoipa::ToSchema;
 
 /// The grid of a panorama.
@@ -55,14 +55,17 @@ pub struct PanoramaAnswer {
 pub enum Light {
     /// Artificial light alone.
     Artificial,
-    /// With the natural sky.
+    /// With the natural sky, that of the time where one was asked for.
     Total,
 }
 
 impl PanoramaAnswer {
     /// The answer for a rendered sky.
     pub fn new(assumptions: Assumptions, sky: &RenderedSky, light: Sky) -> Self {
-        let bands = SeenSky::of(&sky.parts, &RGB_BANDS);
+        let night = sky.seen_with_night().filter(|_| light == Sky::Total);
+        let bands = sky.seen_by(&RGB_BANDS, night.is_some());
+        let values = night.as_ref().and_then(|night| night.seen_by(&sky.response)).unwrap_or(sky.values());
+        let light = if night.is_some() { Sky::TotalOfInstant } else { light };
         let row_of = |plane: &[f32], added: f32, row: usize| -> Vec<f32> {
             let row_samples = plane[row * AZIMUTH_COUNT..][..AZIMUTH_COUNT].iter().enumerate();
             row_samples
@@ -87,7 +90,7 @@ impl PanoramaAnswer {
             unit: "W m-2 sr-1".to_owned(),
             light: match light {
                 Sky::Artificial => Light::Artificial,
-                Sky::Total => Light::Total,
+                Sky::Total | Sky::TotalOfInstant => Light::Total,
             },
             radiance: RGB_BANDS
                 .iter()
@@ -98,7 +101,7 @@ impl PanoramaAnswer {
                 })
                 .collect(),
             values: (0..ELEVATION_COUNT)
-                .map(|row| row_of(sky.values(), light.added(&sky.response) as f32, row))
+                .map(|row| row_of(values, light.added(&sky.response) as f32, row))
                 .collect(),
             horizon_deg: sky
                 .horizon

@@ -10,8 +10,9 @@ use crate::{
     reader::Reader,
     validation::ValidationCode,
 };
+use skyglow_celestial::{CelestialError, Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
 use skyglow_display::Sky;
-use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest, SkyTime};
 use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
@@ -21,11 +22,50 @@ pub(super) fn read_place(reader: &mut Reader) -> Option<GeoPoint> {
     GeoPoint::from_deg(latitude_deg?, longitude_deg?).ok()
 }
 
+/// Which light; where nobody says, all of it if the sky is that of a time.
 pub(super) fn read_light(reader: &mut Reader) -> Sky {
+    let has_time = reader.text(&p::TIME).is_some();
     match reader.choice(&p::SKY) {
         Some("total") => Sky::Total,
+        None if has_time => Sky::Total,
         _ => Sky::Artificial,
     }
+}
+
+/// The time; Some(None) where none is given, None where it is refused.
+fn read_time(reader: &mut Reader, facts: &SourceFacts, turbidity: Option<Turbidity>) -> Option<Option<SkyTime>> {
+    let solar_flux_sfu = reader.number(&p::SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU);
+    let Some(text) = reader.text(&p::TIME) else {
+        if reader.text(&p::SOLAR_FLUX).is_some() {
+            let message = Some("means nothing without `time`".to_owned());
+            reader.fail(&p::SOLAR_FLUX, ValidationCode::Conflict, message, None);
+        }
+        return Some(None);
+    };
+    let instant = match Instant::parse(text).and_then(|time| Instant::from_unix_s(time.unix_s().round())) {
+        Ok(instant) => instant,
+        Err(error) => {
+            let code = match error {
+                CelestialError::OutsideYears(_) => ValidationCode::OutOfRange,
+                _ => ValidationCode::Malformed,
+            };
+            reader.fail(&p::TIME, code, None, None);
+            return None;
+        }
+    };
+    let allowed = match facts.celestial_turbidity_range {
+        None => {
+            "no time: there are no celestial tables beside the packs; `skyglow precompute --part celestial` makes \
+             them"
+                .to_owned()
+        }
+        Some((least, most)) if turbidity.is_some_and(|t| !(least..=most).contains(&t.value())) => {
+            format!("a time with a turbidity of {least} to {most}, which there are celestial tables for")
+        }
+        Some(_) => return Some(Some(SkyTime { instant, solar_flux_sfu })),
+    };
+    reader.fail(&p::TIME, ValidationCode::NotResident, None, Some(allowed));
+    None
 }
 
 /// What a sky is asked with beside the place.
@@ -67,6 +107,7 @@ impl Conditions {
             basis,
             tolerance,
             terrain_hides,
+            time: None,
         }
     }
 
@@ -122,8 +163,9 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
 pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Option<SkyRequest> {
     let place = read_place(reader);
     let observer_height = read_eye_height(reader, facts);
-    let conditions = read_conditions(reader, facts)?;
-    Some(conditions.over(scene, place?, observer_height))
+    let conditions = read_conditions(reader, facts);
+    let time = read_time(reader, facts, conditions.as_ref().map(|conditions| conditions.turbidity));
+    Some(SkyRequest { time: time?, ..conditions?.over(scene, place?, observer_height) })
 }
 
 /// The id of a scenario or plan; None where none is given, or it is refused.

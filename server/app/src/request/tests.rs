@@ -18,6 +18,7 @@ pub(super) fn facts() -> SourceFacts {
         kinds: vec![kind(Scattering::Single, (1.5, 6.0), 64)],
         any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),
+        celestial_turbidity_range: Some((1.5, 6.0)),
         pack_checksums: "x".into(),
     }
 }

@@ -43,7 +43,7 @@ impl Sky {
         let (request, _) = read(source.facts())?;
         let (assumptions, sky) = render::rendered(source.as_ref(), request)?;
         if self.json.json {
-            return print::print_json(&SkyAnswer { assumptions, sky: sky.quantities });
+            return print::print_json(&SkyAnswer::new(assumptions, &sky));
         }
         print::print_line(aligned(&rows(&assumptions, &sky.quantities)).trim_end())
     }

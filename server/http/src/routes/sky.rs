@@ -53,8 +53,7 @@ pub async fn get_sky(
         return Ok(response);
     }
     let rendered = prepared.render(&state).await?;
-    let answer =
-        SkyAnswer { assumptions: prepared.assumptions(&state, &rendered), sky: rendered.quantities.clone() };
+    let answer = SkyAnswer::new(prepared.assumptions(&state, &rendered), &rendered);
     let mut response = caching.json(&answer)?;
     put_times(&mut response, &times_of(&rendered));
     put_warnings(&mut response, &answer.assumptions.warnings);

@@ -36,6 +36,7 @@ pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyR
         basis: None,
         tolerance: None,
         terrain_hides: true,
+        time: None,
     }
 }
 

@@ -1,0 +1,269 @@
+//! The natural sky over a place at an instant: Sun, Moon, planets, stars, starlight, zodiacal light and airglow, each with the light
+//! that the same air scatters as artificial light is scattered in (`docs/model.md#night-sky`).
+
+mod limits;
+mod skipping;
+
+pub use limits::{DirectionLimit, StarCount, VisibleStars};
+pub use skipping::{DAY_BOUND, MOON_LOWEST_DEG};
+
+use crate::error::ObservatoryError;
+use rayon::prelude::*;
+use serde::Serialize;
+use skipping::Skipping;
+use skyglow_celestial::{
+    Component, Heavens, Instant, IrradianceGrid, PointLight, Site, ephemeris::refraction_deg,
+};
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, Response, SeenSky,
+    SkyPart, Turbidity,
+    panorama::{azimuth_rad, elevation_rad},
+};
+use skyglow_render::celestial::{BeamGrid, CelestialTables};
+use std::{f64::consts::FRAC_PI_2, sync::Arc};
+
+/// Highest eye that positions are found for, m: beyond it nothing in the sky moves.
+const HIGHEST_SITE_M: f64 = 12_000.0;
+
+/// When a sky is asked for, and what the Sun did to the upper air.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SkyTime {
+    /// The instant, to the second.
+    pub instant: Instant,
+    /// Radio flux of the Sun at 10.7 cm, solar flux units.
+    pub solar_flux_sfu: f64,
+}
+
+/// Where the eye is, and what is around it.
+#[derive(Clone, Copy, Debug)]
+pub struct Overhead<'a> {
+    /// The place.
+    pub place: GeoPoint,
+    /// Altitude of the eye above sea level, m.
+    pub altitude_m: f64,
+    /// Below it the sky is hidden.
+    pub horizon: &'a Horizon,
+    /// Turbidity at sea level.
+    pub turbidity: Turbidity,
+}
+
+/// One component of the natural sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComponentSky {
+    /// Which.
+    pub component: Component,
+    /// Mean luminance within 5° of the zenith, cd m⁻²: scattered light, and of what has a radiance in every direction the direct light.
+    pub zenith_luminance_cd_m2: f64,
+    /// The same over the visible sky.
+    pub mean_luminance_cd_m2: f64,
+    /// Illuminance across the beams of its points that stand above the horizon, lx; 0 for what has no points.
+    pub direct_illuminance_lx: f64,
+}
+
+/// The natural sky over a place at an instant.
+#[derive(Clone, Debug)]
+pub struct NightSky {
+    heavens: Heavens,
+    components: Vec<ComponentSky>,
+    /// One for each component.
+    parts: Vec<SkyPart>,
+    seen: SeenSky,
+    /// Share of V that comes through the air at every row of the panorama.
+    transmittance: [f64; ELEVATION_COUNT],
+}
+
+impl NightSky {
+    /// All components that count, as `responses` see them.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::Celestial`] for a solar flux out of range.
+    pub fn new(
+        tables: &CelestialTables,
+        over: &Overhead<'_>,
+        time: SkyTime,
+        responses: &[Response],
+    ) -> Result<Self, ObservatoryError> {
+        Self::with(tables, over, time, responses, Skipping::OfWhatDoesNotCount)
+    }
+
+    fn with(
+        tables: &CelestialTables,
+        over: &Overhead<'_>,
+        time: SkyTime,
+        responses: &[Response],
+        skipping: Skipping,
+    ) -> Result<Self, ObservatoryError> {
+        let place = over.place;
+        let site =
+            Site::new(place.latitude_deg(), place.longitude_deg(), over.altitude_m.min(HIGHEST_SITE_M))?;
+        let heavens = Heavens::new(site, time.instant, time.solar_flux_sfu)?;
+        let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over) };
+        let sun = maker.part(Component::Sun);
+        let wanted = skipping.wanted(&heavens, sun.as_ref());
+        let others = wanted.into_par_iter().map(|component| (component, maker.part(component)));
+        let mut found: Vec<(Component, Option<SkyPart>)> = others.collect();
+        found.insert(0, (Component::Sun, sun));
+        let (mut components, mut parts) = (Vec::new(), Vec::new());
+        for (component, part) in found {
+            let Some(part) = part else { continue };
+            components.push(maker.component(component, &part));
+            parts.push(part);
+        }
+        let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance[V_BAND]);
+        let seen = SeenSky::of(&parts, responses);
+        Ok(Self { heavens, components, parts, seen, transmittance })
+    }
+
+    /// What shines outside the air.
+    pub fn heavens(&self) -> &Heavens {
+        &self.heavens
+    }
+
+    /// Components that count, in their order.
+    pub fn components(&self) -> &[ComponentSky] {
+        &self.components
+    }
+
+    /// Their kinds of light with their kernels, dark below the horizon; one for each of [`Self::components`].
+    pub fn parts(&self) -> &[SkyPart] {
+        &self.parts
+    }
+
+    /// What the responses that it was made for see of all of them.
+    pub fn seen(&self) -> &SeenSky {
+        &self.seen
+    }
+}
+
+/// The band that stands for V.
+const V_BAND: usize = skyglow_physics::Band::MIDDLE.index();
+
+/// What a row of the panorama looks through.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Elevation outside the air: refraction lifts what is seen.
+    true_elevation_rad: f64,
+    transmittance: [f64; BAND_COUNT],
+}
+
+fn looks(tables: &CelestialTables, over: &Overhead<'_>) -> [Look; ELEVATION_COUNT] {
+    std::array::from_fn(|row| {
+        let seen_deg = elevation_rad(row).to_degrees();
+        let lift_deg = refraction_deg(seen_deg - refraction_deg(seen_deg));
+        let true_elevation_rad = (seen_deg - lift_deg).to_radians();
+        let zenith_rad = FRAC_PI_2 - true_elevation_rad;
+        let transmittance = tables.transmittance(over.turbidity, zenith_rad, over.altitude_m);
+        Look { true_elevation_rad, transmittance }
+    })
+}
+
+/// Makes parts of one sky.
+struct Maker<'a> {
+    tables: &'a CelestialTables,
+    over: &'a Overhead<'a>,
+    heavens: &'a Heavens,
+    looks: [Look; ELEVATION_COUNT],
+}
+
+impl Maker<'_> {
+    /// The sky of a component, dark below the horizon; None where it gives the tables' zenith angles no light.
+    fn part(&self, component: Component) -> Option<SkyPart> {
+        let mut kernel = match component {
+            Component::Sun | Component::Moon => self.body(component)?,
+            _ => self.grid(component),
+        };
+        if component.is_extended() {
+            self.add_direct(component, &mut kernel);
+        }
+        self.over.horizon.darken(&mut kernel);
+        Some(SkyPart { light: Arc::clone(component.light()), kernel })
+    }
+
+    /// Scattered light of Sun or Moon.
+    fn body(&self, component: Component) -> Option<Panorama> {
+        let point = *self.heavens.points(component).first()?;
+        let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
+        if self.tables.zenith_angles_rad().last().is_none_or(|last| zenith_rad > *last) {
+            return None;
+        }
+        let beam = (zenith_rad, point.direction.azimuth_rad);
+        let mut sky = self.tables.beam_sky(self.over.turbidity, beam, self.over.altitude_m);
+        let samples = sky.samples_mut().chunks_exact_mut(ELEVATION_COUNT * AZIMUTH_COUNT);
+        for (samples, irradiance) in samples.zip(point.irradiance) {
+            samples.iter_mut().for_each(|sample| *sample *= irradiance as f32);
+        }
+        Some(sky)
+    }
+
+    /// Scattered light of many beams.
+    fn grid(&self, component: Component) -> Panorama {
+        let angles = self.tables.zenith_angles_rad();
+        let grid = IrradianceGrid::of(self.heavens, component, angles);
+        let values = grid.values().iter().map(|value| *value as f32).collect();
+        BeamGrid::new(angles.len(), values).map_or_else(Panorama::dark, |grid| {
+            self.tables.grid_sky(self.over.turbidity, &grid, self.over.altitude_m)
+        })
+    }
+
+    /// Adds what comes through the air without being scattered.
+    fn add_direct(&self, component: Component, kernel: &mut Panorama) {
+        let rows: Vec<Vec<[f64; BAND_COUNT]>> = (0..ELEVATION_COUNT)
+            .into_par_iter()
+            .map(|row| {
+                let look = self.looks[row];
+                let outside = |column: usize| {
+                    let direction = Direction {
+                        azimuth_rad: azimuth_rad(column),
+                        elevation_rad: look.true_elevation_rad.max(0.0),
+                    };
+                    let radiance = self.heavens.radiance_outside(component, direction);
+                    std::array::from_fn(|band| radiance[band] * look.transmittance[band])
+                };
+                // A layer of the air looks alike in all directions of a row.
+                match component {
+                    Component::Airglow => vec![outside(0); AZIMUTH_COUNT],
+                    _ => (0..AZIMUTH_COUNT).map(outside).collect(),
+                }
+            })
+            .collect();
+        let samples = kernel.samples_mut();
+        for (row, columns) in rows.iter().enumerate() {
+            for (column, radiance) in columns.iter().enumerate() {
+                for (band, value) in radiance.iter().enumerate() {
+                    samples[Panorama::index(band, row, column)] += *value as f32;
+                }
+            }
+        }
+    }
+
+    fn component(&self, component: Component, part: &SkyPart) -> ComponentSky {
+        let [zenith, mean] = part.zenith_and_mean(&Response::Photopic, self.over.horizon);
+        let rule = component.light().rule(&Response::Photopic);
+        let mut direct = [0.0; BAND_COUNT];
+        for kernel in self.heavens.points(component).iter().filter_map(|point| self.through(point)) {
+            direct.iter_mut().zip(kernel).for_each(|(sum, value)| *sum += value);
+        }
+        ComponentSky {
+            component,
+            zenith_luminance_cd_m2: zenith,
+            mean_luminance_cd_m2: mean,
+            direct_illuminance_lx: rule.value(direct),
+        }
+    }
+
+    /// Irradiance of a point through the air; None below the horizon.
+    fn through(&self, point: &PointLight) -> Option<[f64; BAND_COUNT]> {
+        let true_deg = point.direction.elevation_rad.to_degrees();
+        let seen_rad = (true_deg + refraction_deg(true_deg)).to_radians();
+        let seen = Direction { elevation_rad: seen_rad, ..point.direction };
+        if seen_rad < 0.0 || self.over.horizon.hides(seen) {
+            return None;
+        }
+        let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
+        let through = self.tables.transmittance(self.over.turbidity, zenith_rad, self.over.altitude_m);
+        Some(std::array::from_fn(|band| through[band] * point.irradiance[band]))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+use super::*;
+use skyglow_physics::SKY_RESPONSES;
+use skyglow_tables::CelestialTable;
+use std::sync::LazyLock;
+
+static TABLES: LazyLock<CelestialTables> = LazyLock::new(|| {
+    let table = |turbidity: f64| CelestialTable::synthetic(Turbidity::new(turbidity).unwrap());
+    CelestialTables::new(vec![table(2.0), table(2.5)]).unwrap()
+});
+
+/// Over Barcelona, 100 m.
+fn sky(utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky {
+    let over = Overhead {
+        place: GeoPoint::from_deg(41.38, 2.17).unwrap(),
+        altitude_m: 100.0,
+        horizon,
+        turbidity: Turbidity::new(2.5).unwrap(),
+    };
+    let time = SkyTime { instant: Instant::parse(utc).unwrap(), solar_flux_sfu: 100.0 };
+    NightSky::with(&TABLES, &over, time, &SKY_RESPONSES, skipping).unwrap()
+}
+
+fn components(sky: &NightSky) -> Vec<Component> {
+    sky.components().iter().map(|sky| sky.component).collect()
+}
+
+/// A moonless night, one with the full Moon up, and noon.
+const NEW_MOON: &str = "2026-08-12T23:00:00Z";
+const FULL_MOON: &str = "2026-08-28T00:00:00Z";
+const NOON: &str = "2026-08-12T11:50:00Z";
+
+/// By day the Sun alone is looked for, by night with the Moon deep down all but these two.
+#[test]
+fn what_does_not_count_is_not_looked_for() {
+    let open = Horizon::flat();
+    let of = |utc: &str| components(&sky(utc, &open, Skipping::OfWhatDoesNotCount));
+    assert_eq!(of(NOON), [Component::Sun]);
+    let night = [
+        Component::Planets,
+        Component::Stars,
+        Component::Starlight,
+        Component::ZodiacalLight,
+        Component::Airglow,
+    ];
+    assert_eq!(of(NEW_MOON), night);
+    assert_eq!(of(FULL_MOON), [&[Component::Moon], &night[..]].concat());
+}
+
+/// What is left out changes the sky by less than the bound, and by dusk, where it counts, nothing is.
+#[test]
+fn what_is_left_out_is_within_its_bound() {
+    let open = Horizon::flat();
+    let mut left_out = 0;
+    for utc in [NOON, "2026-08-12T18:50:00Z", "2026-08-12T19:05:00Z", "2026-08-12T20:30:00Z", FULL_MOON] {
+        let [all, some] =
+            [Skipping::OfNothing, Skipping::OfWhatDoesNotCount].map(|skipping| sky(utc, &open, skipping));
+        left_out += all.components().len() - some.components().len();
+        let luminances = [&all, &some].map(|sky| sky.seen().seen_by(&Response::Photopic).unwrap().to_vec());
+        let worst = luminances[0].iter().zip(&luminances[1]).map(|(all, some)| all / some - 1.0);
+        let worst = worst.fold(0f32, f32::max);
+        assert!(f64::from(worst) < 3.0 * DAY_BOUND, "{utc}: {worst:e}");
+    }
+    assert!(left_out > 6);
+}
+
+/// Each component is the sum of its beams: starlight of a dark night stands in its direct light, the Sun's in scattered light alone.
+#[test]
+fn components_have_luminances() {
+    let night = sky(NEW_MOON, &Horizon::flat(), Skipping::OfWhatDoesNotCount);
+    for component in night.components() {
+        let is_point = !component.component.is_extended();
+        assert_eq!(component.direct_illuminance_lx > 0.0, is_point, "{component:?}");
+        assert!(component.zenith_luminance_cd_m2 > 0.0 && component.mean_luminance_cd_m2 > 0.0);
+    }
+    let of = |component| night.components().iter().find(|sky| sky.component == component).unwrap();
+    let airglow = of(Component::Airglow);
+    assert!((3e-5..3e-4).contains(&airglow.zenith_luminance_cd_m2), "{airglow:?}");
+    let day = sky(NOON, &Horizon::flat(), Skipping::OfWhatDoesNotCount);
+    let lux = day.components()[0].direct_illuminance_lx;
+    assert!((2e4..1.4e5).contains(&lux), "{lux}");
+    let seen: f64 = night.components().iter().map(|sky| sky.mean_luminance_cd_m2).sum();
+    assert!(seen > 1e-4 && seen < 1e-2, "{seen}");
+}
+
+/// Ground hides what is behind it and adds nothing.
+#[test]
+fn ground_hides_the_natural_sky() {
+    let wall = Horizon::new((0..AZIMUTH_COUNT).map(|c| if c < 128 { 0.5 } else { 0.0 }).collect()).unwrap();
+    let [open, walled] =
+        [&Horizon::flat(), &wall].map(|horizon| sky(NEW_MOON, horizon, Skipping::OfWhatDoesNotCount));
+    let [open_seen, walled_seen] =
+        [&open, &walled].map(|sky| sky.seen().seen_by(&Response::Photopic).unwrap());
+    for row in [0, 10, 40] {
+        for column in [3, 200] {
+            let at = row * AZIMUTH_COUNT + column;
+            let hidden = wall.hides_sample(row, column);
+            assert_eq!(walled_seen[at], if hidden { 0.0 } else { open_seen[at] });
+        }
+    }
+    let [all, some] = [(&open, &Horizon::flat()), (&walled, &wall)]
+        .map(|(sky, horizon)| sky.visible_stars(sky.seen().plane(1), horizon));
+    assert!(some.stars.above_horizon < all.stars.above_horizon && some.stars.visible > 500);
+    assert_eq!(some.limits.iter().filter(|limit| limit.limit_mag.is_none()).count(), 4);
+}
+
+/// Stars are seen by the limit of their direction: thousands in the dark, none at noon, fewer near the horizon.
+#[test]
+fn stars_are_seen_by_the_limit_of_their_direction() {
+    let open = Horizon::flat();
+    let of = |utc: &str| {
+        let sky = sky(utc, &open, Skipping::OfWhatDoesNotCount);
+        sky.visible_stars(sky.seen().plane(1), &open)
+    };
+    let (dark, moonlit, noon) = (of(NEW_MOON), of(FULL_MOON), of(NOON));
+    assert!((3_500..5_000).contains(&dark.stars.above_horizon), "{:?}", dark.stars);
+    assert!(dark.stars.visible > 2 * moonlit.stars.visible && moonlit.stars.visible > 0);
+    assert_eq!((noon.stars.visible, noon.milky_way_contrast), (0, None));
+    let [zenith, low] = [dark.limits[0], dark.limits[1]].map(|limit| limit.limit_mag.unwrap());
+    assert!(zenith > low + 0.3 && (5.5..7.0).contains(&zenith), "{zenith} {low}");
+    let contrast = dark.milky_way_contrast.unwrap();
+    assert!((0.05..1.0).contains(&contrast), "{contrast}");
+    assert!(contrast > moonlit.milky_way_contrast.unwrap());
+}
