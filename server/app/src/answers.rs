@@ -17,9 +17,7 @@ pub use brightness::{BrightnessAssumptions, brightness_shows};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };
-pub use night_sky::{
-    ComponentAnswer, DirectionLimitAnswer, MoonAnswer, NightSkyAnswer, PlanetSeenAnswer, SunAnswer,
-};
+pub use night_sky::{ComponentAnswer, DirectionLimitAnswer, NightSkyAnswer};
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
 pub use plan::{
     DimmedPixelAnswer, PlanAnswer, PlanEntry, PlanFacts, PlannedSite, TargetAnswer, dimmed_pixels, plan_facts,

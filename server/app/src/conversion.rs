@@ -162,6 +162,10 @@ impl From<ObservatoryError> for AppError {
                 SceneError::TooLarge { .. } => Self::SceneTooLarge { reason: error.to_string() },
                 other => Self::internal(other),
             },
+            // Times, and whether there are tables for them, are checked when they are read.
+            error @ (ObservatoryError::Celestial(_) | ObservatoryError::NoCelestialTables) => {
+                Self::internal(error)
+            }
             ObservatoryError::Change(error) => bad_edit(&error),
             ObservatoryError::ChangeStore(error) => of_change_store(error),
             ObservatoryError::BadPlan { reason } => Self::Parameters(vec![FieldError {

@@ -38,11 +38,9 @@ pub fn draw(
 ) -> Result<Vec<u8>, DrawingError> {
     let total = sky.seen_with_night().filter(|_| view.options.sky == Sky::Total);
     let light = if total.is_some() { Sky::TotalOfInstant } else { view.options.sky };
-    let options =
-        PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
+    let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
-    let image =
-        || picture(total.as_ref().unwrap_or(&sky.seen), &sky.response, &sky.horizon, &options);
+    let image = || picture(total.as_ref().unwrap_or(&sky.seen), &sky.response, &sky.horizon, &options);
     let bands = OnceCell::new();
     let floats = || {
         let bands = bands.get_or_init(|| sky.seen_by(&RGB_BANDS, total.is_some()));

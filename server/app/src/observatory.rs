@@ -13,7 +13,7 @@ use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
     ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest, Watch,
 };
-use skyglow_render::{celestial::CelestialTables, EngineStats, LeftOutPack, PackKind, ResidentKind};
+use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{
     Account, ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario,
     SceneError, SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,

@@ -182,6 +182,16 @@ parameters! {
         allowed: "a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00",
         pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}[Tt ][0-9]{2}:[0-9]{2}:[0-9]{2}([.][0-9]{1,9})?([Zz]|[+ -][0-9]{2}:[0-9]{2})$",
     }, "", false;
+    /// The evening of a night, as the calendar there has it.
+    DATE = "date", Kind::Text {
+        allowed: "a date from 1900-01-03 to 2100-12-30, such as 2026-08-20",
+        pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}$",
+    }, "", true;
+    /// The month of the evenings.
+    MONTH = "month", Kind::Text {
+        allowed: "a month from 1900-02 to 2100-11, such as 2026-08",
+        pattern: "^[0-9]{4}-[0-9]{2}$",
+    }, "", true;
     /// Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone.
     SOLAR_FLUX = "solar_flux", Kind::Number { minimum: 50.0, maximum: 400.0, unit: " sfu" }, "100", false;
     /// Id of a scenario or plan of the scene: its lights are as that says.
@@ -248,8 +258,7 @@ parameters! {
 }
 
 /// Parameters that others exclude, or that mean something beside others alone.
-const CONDITIONAL: [Parameter; 8] =
-    [HEIGHT, SOLAR_FLUX, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
+const CONDITIONAL: [Parameter; 8] = [HEIGHT, SOLAR_FLUX, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
 
 /// A set of parameters for `#[utoipa::path(params(…))]` and for the reader.
 pub trait ParameterSet {
@@ -282,6 +291,10 @@ parameter_sets! {
     ScenarioParameters = [SCENARIO];
     /// Those of a place.
     PlaceParameters = [LAT, LON, SCENARIO];
+    /// Those of a night, which needs no scene.
+    NightParameters = [LAT, LON, DATE];
+    /// Those of a month of nights.
+    NightsParameters = [LAT, LON, MONTH];
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
         TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,

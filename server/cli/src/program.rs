@@ -7,7 +7,11 @@ use crate::{
 };
 use skyglow_app::{SkySource, UploadReader, sandbox, upload_reader::UploadTask};
 use skyglow_observatory::{CacheSizes, OPEN_SCENE_COUNT, Observatory};
-use skyglow_render::{Engine, EngineConfig, LeftOutPack, UndamagedTables, resident_tables, undamaged_tables};
+use skyglow_render::{
+    Engine, EngineConfig, LeftOutPack, UndamagedTables,
+    celestial::{CelestialTables, tables::MAX_KEPT_BYTES},
+    resident_tables, undamaged_tables,
+};
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
 use skyglow_tables::{Manifest, packs_in};
 use std::{
@@ -19,9 +23,26 @@ use std::{
 
 /// An engine with its packs.
 pub(crate) struct LoadedEngine {
-    pub(crate) engine: Engine,
+    engine: Engine,
     manifests: Vec<Manifest>,
     left_out: Vec<LeftOutPack>,
+    celestial: Option<CelestialTables>,
+}
+
+impl LoadedEngine {
+    /// Bytes of main memory that packs and celestial tables take, with what is kept of them.
+    pub(crate) fn main_memory_bytes(&self) -> u64 {
+        let celestial = if self.celestial.is_some() { MAX_KEPT_BYTES as u64 } else { 0 };
+        self.engine.main_memory_bytes() + celestial
+    }
+}
+
+/// The celestial tables beside packs. Skies without a time need none, so one that is refused is only logged.
+fn celestial_tables(packs: &Path) -> Option<CelestialTables> {
+    CelestialTables::open(packs).unwrap_or_else(|error| {
+        tracing::warn!("no sky of a time is served: {error}");
+        None
+    })
 }
 
 /// An engine over the packs of a folder.
@@ -56,7 +77,7 @@ pub(crate) fn start_engine(
     }
     let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
     let engine = Engine::start(config).map_err(Failure::work)?;
-    Ok(LoadedEngine { engine, manifests, left_out })
+    Ok(LoadedEngine { engine, manifests, left_out, celestial: celestial_tables(packs) })
 }
 
 /// An engine before the scenes of a folder.
@@ -73,8 +94,11 @@ pub(crate) fn open(
     max_places: usize,
     sandbox_required: bool,
 ) -> Arc<dyn SkySource> {
-    let LoadedEngine { engine, manifests, left_out } = loaded;
-    let observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
+    let LoadedEngine { engine, manifests, left_out, celestial } = loaded;
+    let mut observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
+    if let Some(tables) = celestial {
+        observatory = observatory.with_celestial_tables(tables);
+    }
     if !limits.is_none() {
         let changes = observatory.changes().clone();
         std::thread::spawn(move || skyglow_app::stored::read_index(&changes));

@@ -8,7 +8,9 @@ use skyglow_app::{
     parameters::{MAX_BASIS_FUNCTIONS, Parameter, ParameterSet},
 };
 use skyglow_physics::{CloudBase, Turbidity};
-use skyglow_tables::{Clouds, Manifest, Scattering, packs_in};
+use skyglow_tables::{
+    Clouds, Manifest, Scattering, celestial::manifest::CelestialManifest, celestial_tables_in, packs_in,
+};
 use std::{marker::PhantomData, path::Path};
 
 /// The flags of a set of parameters, as a query string.
@@ -125,9 +127,20 @@ pub(crate) fn facts_of_packs(folder: &Path) -> SourceFacts {
         facts.kinds = kinds;
         facts.any_cloud_albedo = None;
     }
+    facts.celestial_turbidity_range = celestial_turbidity_range(folder);
     let highest_m = manifests.iter().filter_map(|manifest| manifest.axes.observer_altitude_m.last().copied());
     facts.altitude_range_m.1 = highest_m.reduce(f64::max).unwrap_or(facts.altitude_range_m.1);
     facts
+}
+
+/// By the manifests beside celestial tables.
+fn celestial_turbidity_range(folder: &Path) -> Option<(f64, f64)> {
+    let paths = celestial_tables_in(folder).unwrap_or_default();
+    let turbidities = paths.iter().filter_map(|path| {
+        let manifest = std::fs::read(path.with_extension("json")).ok()?;
+        serde_json::from_slice::<CelestialManifest>(&manifest).ok().map(|manifest| manifest.turbidity)
+    });
+    turbidities.map(|turbidity| (turbidity, turbidity)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 fn cloud_base_m(manifest: &Manifest) -> Option<u32> {
@@ -208,7 +221,8 @@ mod tests {
     #[test]
     fn manifests_tell_what_packs_serve() {
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(facts_of_packs(folder.path()), widest_facts());
+        let none = SourceFacts { celestial_turbidity_range: None, ..widest_facts() };
+        assert_eq!(facts_of_packs(folder.path()), none);
         let (single, multiple) = (Scattering::Single, Scattering::Multiple);
         for (turbidity, scattering, basis_count) in [
             (4.0, multiple, 32),

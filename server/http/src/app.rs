@@ -11,8 +11,8 @@ use crate::{
         respond_async, share_across_origins, tag_encodings,
     },
     routes::{
-        atmospheres, docs, health, influence, jobs, layers, panorama, plans, problems, scenarios, scenes,
-        site, sky, tilejson, tiles, uploads, viewer,
+        atmospheres, docs, health, influence, jobs, layers, night, panorama, plans, problems, scenarios,
+        scenes, site, sky, tilejson, tiles, uploads, viewer,
     },
     state::AppState,
     token_buckets::TokenBuckets,
@@ -52,6 +52,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(panorama::get_panorama_tif))
         .routes(routes!(panorama::get_panorama_json))
         .routes(routes!(sky::get_sky))
+        .routes(routes!(night::get_night))
+        .routes(routes!(night::list_nights))
         .routes(routes!(influence::get_influence, influence::post_influence))
         .routes(routes!(influence::get_influence_json, influence::post_influence_json))
         .routes(routes!(influence::get_influence_tif, influence::post_influence_tif))

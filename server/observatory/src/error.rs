@@ -36,7 +36,9 @@ pub enum ObservatoryError {
     #[error(transparent)]
     Celestial(#[from] CelestialError),
     /// A sky of an instant without celestial tables.
-    #[error("there are no celestial tables beside the packs; `skyglow precompute --part celestial` makes them")]
+    #[error(
+        "there are no celestial tables beside the packs; `skyglow precompute --part celestial` makes them"
+    )]
     NoCelestialTables,
     /// A scene that is not there or cannot be read.
     #[error(transparent)]

@@ -38,7 +38,7 @@ pub enum PlanMethod {
     /// By their influence on one site (paper Eq. 12).
     Threshold {
         /// The site, and Q.
-        site: InfluenceRequest,
+        site: Box<InfluenceRequest>,
         /// Q_a.
         from: Level,
         /// Q_b, not below Q_a.

@@ -3,7 +3,7 @@
 use crate::night_sky::{NightSky, SkyTime};
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, Response, NaturalSky, SKY_RESPONSES, SeenSky,
+    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Response, SKY_RESPONSES, SeenSky,
     SkyNumbers, SkyPart, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
@@ -59,6 +59,7 @@ pub struct SkyRequest {
     /// Whether the scene's terrain hides the sky below the observer's horizon.
     pub terrain_hides: bool,
     /// When, for the natural sky of an instant; None for one of 22.0 mag arcsec⁻² whenever it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SkyTime>,
 }
 

@@ -140,7 +140,12 @@ impl Surroundings {
         let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
         let open = Horizon::flat();
         let horizon = self.horizon.as_ref().map_or(&open, |(horizon, _)| horizon);
-        let over = Overhead { place: request.place, altitude_m: self.altitude_m, horizon, turbidity: request.turbidity };
+        let over = Overhead {
+            place: request.place,
+            altitude_m: self.altitude_m,
+            horizon,
+            turbidity: request.turbidity,
+        };
         let night = NightSky::new(tables, &over, time, &responses_of(request))?;
         Ok(Some((night, start.elapsed())))
     }

@@ -319,7 +319,7 @@ fn thresholds_cut_and_stand_upon_scenarios() {
     for measure in [Measure::Norm, Measure::Horizontal] {
         let site = InfluenceRequest { sky: request.clone(), measure };
         let method = PlanMethod::Threshold {
-            site: site.clone(),
+            site: Box::new(site.clone()),
             from: Level::Percentile(80.0),
             to: Level::Percentile(95.0),
             gamma: 0.6,
@@ -341,6 +341,6 @@ fn thresholds_cut_and_stand_upon_scenarios() {
     }
     let site = InfluenceRequest { sky: request, measure: Measure::Zenith };
     let (from, to) = (Level::Value(1.0), Level::Percentile(50.0));
-    let method = PlanMethod::Threshold { site, from, to, gamma: 1.0 };
+    let method = PlanMethod::Threshold { site: site.into(), from, to, gamma: 1.0 };
     assert!(matches!(observatory.plan(&PlanRequest { method }), Err(ObservatoryError::BadPlan { .. })));
 }

@@ -33,7 +33,11 @@ pub(super) fn read_light(reader: &mut Reader) -> Sky {
 }
 
 /// The time; Some(None) where none is given, None where it is refused.
-fn read_time(reader: &mut Reader, facts: &SourceFacts, turbidity: Option<Turbidity>) -> Option<Option<SkyTime>> {
+fn read_time(
+    reader: &mut Reader,
+    facts: &SourceFacts,
+    turbidity: Option<Turbidity>,
+) -> Option<Option<SkyTime>> {
     let solar_flux_sfu = reader.number(&p::SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU);
     let Some(text) = reader.text(&p::TIME) else {
         if reader.text(&p::SOLAR_FLUX).is_some() {
@@ -46,7 +50,7 @@ fn read_time(reader: &mut Reader, facts: &SourceFacts, turbidity: Option<Turbidi
         Ok(instant) => instant,
         Err(error) => {
             let code = match error {
-                CelestialError::OutsideYears(_) => ValidationCode::OutOfRange,
+                CelestialError::OutsideYears(_) => ValidationCode::NotAllowed,
                 _ => ValidationCode::Malformed,
             };
             reader.fail(&p::TIME, code, None, None);

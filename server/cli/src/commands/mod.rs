@@ -6,6 +6,7 @@ mod config;
 mod influence;
 mod ingest;
 mod kept;
+mod night;
 mod packs;
 mod panorama;
 mod plan;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Packs(packs::Packs),
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
+    Night(night::Night),
     Influence(influence::Influence),
     Plan(plan::Plan),
     Scenario(scenario::Scenario),
@@ -50,6 +52,7 @@ impl Command {
             Command::Packs(command) => command.run(),
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
+            Command::Night(command) => command.run(),
             Command::Influence(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Scenario(command) => command.run(),

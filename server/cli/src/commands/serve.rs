@@ -122,7 +122,7 @@ fn start(settings: &Settings) -> Result<(Arc<dyn SkySource>, HttpConfig), Failur
     }
     let most_bytes = MemoryShares::most_for_packs();
     let loaded = program::start_engine(&settings.packs, settings.device, Some(most_bytes))?;
-    let packs_bytes = loaded.engine.main_memory_bytes();
+    let packs_bytes = loaded.main_memory_bytes();
     let shares = MemoryShares::of_machine(packs_bytes, settings.brightness_map_bytes(), &settings.http);
     let shares = shares.map_err(Failure::work)?;
     tracing::info!("{shares}");

@@ -10,10 +10,11 @@ use crate::{
 };
 use clap::Args;
 use skyglow_app::{
-    answers::{Assumptions, EmissionAnswer, SkyAnswer},
+    answers::{Assumptions, EmissionAnswer, NightSkyAnswer, SkyAnswer},
     parameters::SkyParameters,
     request,
 };
+use skyglow_celestial::answers::BodyPlace;
 use skyglow_physics::{Band, EmissionKeep, SkyQuantities};
 use skyglow_scene::SceneId;
 
@@ -45,7 +46,10 @@ impl Sky {
         if self.json.json {
             return print::print_json(&SkyAnswer::new(assumptions, &sky));
         }
-        print::print_line(aligned(&rows(&assumptions, &sky.quantities)).trim_end())
+        let answer = SkyAnswer::new(assumptions, &sky);
+        let mut rows = rows(&answer.assumptions, &answer.sky);
+        rows.extend(answer.night_sky.iter().flat_map(night_rows));
+        print::print_line(aligned(&rows).trim_end())
     }
 }
 
@@ -101,6 +105,36 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
     }
     if assumptions.scene.illustrative {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
+    }
+    rows
+}
+
+/// What the natural sky of a time is made of.
+fn night_rows(night: &NightSkyAnswer) -> Vec<Vec<String>> {
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let place = |place: &BodyPlace| {
+        format!("{:.1} degrees up, azimuth {:.1}", place.apparent_altitude_deg, place.azimuth_deg)
+    };
+    let mut rows = vec![
+        row("Sun", place(&night.bodies.sun.place)),
+        row(
+            "Moon",
+            format!(
+                "{}, {:.0} % lit",
+                place(&night.bodies.moon.place),
+                100.0 * night.bodies.moon.illuminated_fraction
+            ),
+        ),
+    ];
+    rows.extend(night.components.iter().map(|part| {
+        let zenith = part.zenith_luminance_cd_m2;
+        let mean = part.mean_luminance_cd_m2;
+        row(part.component.name(), format!("{zenith:.3e} cd m-2 at the zenith, {mean:.3e} in the mean"))
+    }));
+    let stars = &night.stars;
+    rows.push(row("stars seen", format!("{} of {} above the horizon", stars.visible, stars.above_horizon)));
+    if let Some(contrast) = night.milky_way.map(|milky_way| milky_way.contrast) {
+        rows.push(row("Milky Way", format!("{:.1} % brighter than the sky beside it", 100.0 * contrast)));
     }
     rows
 }

@@ -9,6 +9,7 @@ pub mod influence;
 pub mod jobs;
 mod kept;
 pub mod layers;
+pub mod night;
 pub mod panorama;
 pub mod plans;
 pub mod problems;

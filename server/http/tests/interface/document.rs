@@ -29,7 +29,12 @@ async fn document_and_routes_are_the_same() {
         let needs_a_place = document["paths"][path.as_str()]["get"]["parameters"]
             .as_array()
             .is_some_and(|list| list.iter().any(|p| p["name"] == "lat" && p["required"] == true));
-        let query = if needs_a_place { "?lat=-1&lon=37" } else { "" };
+        let query = match (path.as_str(), needs_a_place) {
+            ("/api/v1/night", _) => "?lat=-1&lon=37&date=2026-08-20",
+            ("/api/v1/nights", _) => "?lat=-1&lon=37&month=2026-08",
+            (_, true) => "?lat=-1&lon=37",
+            _ => "",
+        };
         // The made-up program knows no influences, no brightness and has no plans; `end_to_end` asks a real one.
         let status = match path {
             path if path.contains("/influence") || path.contains("/layers/brightness") => 503,
@@ -68,7 +73,12 @@ async fn every_default_can_be_sent() {
                 .replace("{kind}", "busy");
             let needs_place = parameters.iter().any(|p| p["name"] == "lat" && p["required"] == true);
             let needs_place = needs_place || path.contains("{layer}") && layer == "influence";
-            let query = if needs_place { "lat=-1&lon=37" } else { "" };
+            let query = match (path.as_str(), needs_place) {
+                ("/api/v1/night", _) => "lat=-1&lon=37&date=2026-08-20",
+                ("/api/v1/nights", _) => "lat=-1&lon=37&month=2026-08",
+                (_, true) => "lat=-1&lon=37",
+                _ => "",
+            };
             let defaults = parameters.iter().filter(|p| !p["schema"]["default"].is_null());
             let sent: String = defaults
                 .map(|p| format!("&{}={}", p["name"], p["schema"]["default"]).replace('"', ""))
@@ -131,6 +141,8 @@ async fn every_parameter_is_described() {
         "terrain",
         "tolerance",
         "sky",
+        "time",
+        "solar_flux",
         "scenario",
         "style",
         "colormap",

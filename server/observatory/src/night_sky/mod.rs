@@ -4,7 +4,7 @@
 mod limits;
 mod skipping;
 
-pub use limits::{DirectionLimit, StarCount, VisibleStars};
+pub use limits::{DirectionLimit, SeenStars};
 pub use skipping::{DAY_BOUND, MOON_LOWEST_DEG};
 
 use crate::error::ObservatoryError;
@@ -149,7 +149,8 @@ struct Look {
 fn looks(tables: &CelestialTables, over: &Overhead<'_>) -> [Look; ELEVATION_COUNT] {
     std::array::from_fn(|row| {
         let seen_deg = elevation_rad(row).to_degrees();
-        let lift_deg = refraction_deg(seen_deg - refraction_deg(seen_deg));
+        let lift = |true_deg: f64| refraction_deg(true_deg, over.altitude_m);
+        let lift_deg = lift(seen_deg - lift(seen_deg));
         let true_elevation_rad = (seen_deg - lift_deg).to_radians();
         let zenith_rad = FRAC_PI_2 - true_elevation_rad;
         let transmittance = tables.transmittance(over.turbidity, zenith_rad, over.altitude_m);
@@ -254,7 +255,7 @@ impl Maker<'_> {
     /// Irradiance of a point through the air; None below the horizon.
     fn through(&self, point: &PointLight) -> Option<[f64; BAND_COUNT]> {
         let true_deg = point.direction.elevation_rad.to_degrees();
-        let seen_rad = (true_deg + refraction_deg(true_deg)).to_radians();
+        let seen_rad = (true_deg + refraction_deg(true_deg, self.over.altitude_m)).to_radians();
         let seen = Direction { elevation_rad: seen_rad, ..point.direction };
         if seen_rad < 0.0 || self.over.horizon.hides(seen) {
             return None;

@@ -19,7 +19,6 @@ const MOST_VAN_RHIJN: f64 = 6.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Skipping {
     /// All is looked for.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what skipping is measured against"))]
     OfNothing,
     /// What the answer does not show.
     OfWhatDoesNotCount,

@@ -95,7 +95,7 @@ impl Sites<'_> {
             return None;
         }
         let site = InfluenceRequest { sky, measure };
-        Some(PlanMethod::Threshold { site, from, to, gamma: gamma? })
+        Some(PlanMethod::Threshold { site: site.into(), from, to, gamma: gamma? })
     }
 
     pub(super) fn target(&mut self, body: &PlanBody) -> Option<PlanMethod> {

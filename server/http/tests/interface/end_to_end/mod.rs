@@ -5,6 +5,7 @@ mod bodies;
 mod influence;
 mod kept;
 mod layers;
+mod night_sky;
 mod plans;
 mod refusals;
 mod scenarios;
@@ -15,9 +16,10 @@ use serde_json::{Value, json};
 use skyglow_app::{ObservatorySource, SkySource};
 use skyglow_http::{Access, ApiKey, HttpConfig, access::hash_of, router_with_access, serve};
 use skyglow_observatory::Observatory;
-use skyglow_render::{DeviceChoice, Engine, EngineConfig, synthetic};
+use skyglow_physics::Turbidity;
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, celestial::CelestialTables, synthetic};
 use skyglow_scene::{SceneStore, create_demo};
-use skyglow_tables::Scattering;
+use skyglow_tables::{CelestialTable, Scattering};
 use std::{
     path::Path,
     sync::{Arc, LazyLock},
@@ -73,7 +75,9 @@ fn source() -> Arc<ObservatorySource> {
     let mut tables = synthetic::table_set(&[1.5, 2.5, 4.0, 6.0], 24);
     tables.extend(synthetic::table_set_of(Scattering::Multiple, &[1.5, 2.5, 4.0], 24));
     let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
-    let observatory = Observatory::new(Engine::start(config).unwrap(), Vec::new(), folder(), 2);
+    let celestial = [1.5, 2.5, 4.0].map(|t| CelestialTable::synthetic(Turbidity::new(t).unwrap()));
+    let observatory = Observatory::new(Engine::start(config).unwrap(), Vec::new(), folder(), 2)
+        .with_celestial_tables(CelestialTables::new(celestial.into()).unwrap());
     Arc::new(ObservatorySource::new(Arc::new(observatory)).with_max_places(20_000))
 }
 

@@ -138,7 +138,7 @@ fn changes(observatory: &Observatory) -> Outcome {
         println!("target plan of {count} site(s): {ms:.0} ({told})");
     }
     let (from, to) = (Level::Percentile(90.0), Level::Percentile(99.0));
-    let method = PlanMethod::Threshold { site: sites[0].influence.clone(), from, to, gamma: 0.8 };
+    let method = PlanMethod::Threshold { site: sites[0].influence.clone().into(), from, to, gamma: 0.8 };
     let request = PlanRequest { method };
     let (ms, told) = fastest(&|| Ok(format!("{} pixels", observatory.plan(&request)?.pixels.len())))?;
     println!("threshold plan: {ms:.0} ({told})");
