@@ -120,6 +120,7 @@ mod tests {
                 "packs",
                 "panorama",
                 "sky",
+                "night",
                 "influence",
                 "plan",
                 "scenario",

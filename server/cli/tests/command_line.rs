@@ -17,6 +17,7 @@ fn help_and_version_succeed_on_standard_output() {
         "packs",
         "panorama",
         "sky",
+        "night",
         "influence",
         "plan",
         "scenario",
@@ -35,6 +36,17 @@ fn help_and_version_succeed_on_standard_output() {
         assert_eq!(own.stderr, "");
     }
     assert!(skyglow(&["--version"]).expect_status(0).stdout.starts_with("skyglow "));
+}
+
+/// A night is found without scenes and packs; a date that is none is wrong usage.
+#[test]
+fn a_night_needs_no_scene() {
+    let at = |date: &'static str| ["night", "--lat", "46.17", "--lon", "8.79", "--date", date];
+    let night = skyglow(&[&at("2026-08-12")[..], &["--json"]].concat()).expect_status(0).json();
+    assert!(night["dark_hours"].as_f64().unwrap() > 4.0, "{night}");
+    let said = skyglow(&at("2026-08-12")).expect_status(0).stdout;
+    assert!(said.contains("astronomical twilight") && said.contains("Moon rises"), "{said}");
+    assert!(skyglow(&at("today")).expect_status(2).stderr.contains("date"));
 }
 
 /// Wrong usage is status 2, and standard error says why.

@@ -19,7 +19,6 @@ use skyglow_app::{error::AppError, source::SkySource};
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, RenderedSky, SceneView, SkyRequest,
 };
-use skyglow_physics::Panorama;
 use skyglow_scene::{ChangeId, SceneId};
 use std::{
     future::Future,
@@ -112,8 +111,8 @@ const BYTES_PER_INFLUENCE: usize = 64;
 pub(crate) const SHARE_OF_SENDING: u64 = 4;
 /// Part of a budget of bytes that one party may hold.
 const SHARE_OF_A_PARTY: u64 = 8;
-/// Bytes that a cached sky takes, about.
-const SKY_BYTES: u64 = 4 * Panorama::LEN as u64 + 2048;
+/// Bytes that a cached sky takes beside its samples, about.
+const SKY_BYTES: usize = 4096;
 
 /// Bytes that finding so many influences takes, about.
 pub(crate) fn influence_bytes(count: u64) -> usize {
@@ -123,7 +122,10 @@ pub(crate) fn influence_bytes(count: u64) -> usize {
 impl AppState {
     /// The state over a source.
     pub fn new(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Self {
-        let skies = Cache::builder().max_capacity(config.cache_bytes / SKY_BYTES).build();
+        let weigh = |_: &String, sky: &Arc<RenderedSky>| {
+            u32::try_from(sky.byte_count() + SKY_BYTES).unwrap_or(u32::MAX)
+        };
+        let skies = Cache::builder().max_capacity(config.cache_bytes).weigher(weigh).build();
         let weigh = |_: &String, answer: &Arc<EncodedAnswer>| {
             u32::try_from(answer.bytes.len() + ANSWER_BYTES).unwrap_or(u32::MAX)
         };

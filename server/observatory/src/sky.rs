@@ -3,8 +3,8 @@
 use crate::night_sky::{NightSky, SkyTime};
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Response, SKY_RESPONSES, SeenSky,
-    SkyNumbers, SkyPart, SkyQuantities, Turbidity,
+    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Panorama, Response, SKY_RESPONSES,
+    SeenSky, SkyNumbers, SkyPart, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -146,6 +146,15 @@ impl RenderedSky {
     /// What the response of the request sees, `[row][column]`, in its unit.
     pub fn values(&self) -> &[f32] {
         self.seen.seen_by(&self.response).unwrap_or_default()
+    }
+
+    /// Bytes of its samples.
+    pub fn byte_count(&self) -> usize {
+        let of = |parts: &[SkyPart], seen: &SeenSky| {
+            4 * (parts.len() * Panorama::LEN + seen.responses().len() * Panorama::LEN / BAND_COUNT)
+        };
+        let night = self.night.as_ref().map_or(0, |night| of(night.parts(), night.seen()));
+        of(&self.parts, &self.seen) + night
     }
 
     /// Artificial light and the natural sky of the instant, by the responses of [`Self::seen`]; None where no time was asked for.

@@ -16,6 +16,7 @@ mod lamps;
 mod latency;
 mod multiple_accuracy;
 mod multiple_vs_monte_carlo;
+mod night_times;
 mod offset_interpolation;
 mod pass_times;
 mod pictures;
@@ -68,6 +69,7 @@ enum Program {
     SceneTimes(scene_times::Arguments),
     InfluenceTimes(influence_times::Arguments),
     Latency(latency::Arguments),
+    NightTimes(night_times::Arguments),
     Pictures(pictures::Arguments),
     /// Writes what fuzzers start from where the program makes it: the smallest pack and the smallest raster.
     Seeds,
@@ -100,6 +102,7 @@ fn main() -> Outcome {
         Program::SceneTimes(arguments) => scene_times::run(&arguments),
         Program::InfluenceTimes(arguments) => influence_times::run(&arguments),
         Program::Latency(arguments) => latency::run(&arguments),
+        Program::NightTimes(arguments) => night_times::run(&arguments),
         Program::Pictures(arguments) => pictures::run(&arguments),
         Program::Seeds => seeds::run(),
     }
