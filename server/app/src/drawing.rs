@@ -6,10 +6,10 @@ use crate::{
     request::PictureRequest,
 };
 use skyglow_display::{
-    DisplayError, Notes, PictureOptions, Sky, encode_exr, encode_png, encode_tiff, encode_webp, notes,
-    picture, raster,
+    Disc, DisplayError, Notes, PictureOptions, PointLight, Sky, SkyBodies, encode_exr, encode_png,
+    encode_tiff, encode_webp, notes, picture_with, raster,
 };
-use skyglow_observatory::RenderedSky;
+use skyglow_observatory::{RenderedSky, night_sky::NightSky};
 use skyglow_physics::spectrum::RGB_BANDS;
 use std::cell::OnceCell;
 use thiserror::Error;
@@ -40,7 +40,12 @@ pub fn draw(
     let light = if total.is_some() { Sky::TotalOfInstant } else { view.options.sky };
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
-    let image = || picture(total.as_ref().unwrap_or(&sky.seen), &sky.response, &sky.horizon, &options);
+    let image = || {
+        let seen = total.as_ref().unwrap_or(&sky.seen);
+        let night = sky.night.as_ref().filter(|_| total.is_some());
+        let bodies = night.map(bodies_of).unwrap_or_default();
+        picture_with(&bodies, seen, &sky.response, &sky.horizon, &options)
+    };
     let bands = OnceCell::new();
     let floats = || {
         let bands = bands.get_or_init(|| sky.seen_by(&RGB_BANDS, total.is_some()));
@@ -53,6 +58,26 @@ pub fn draw(
         Format::Tiff => encode_tiff(&floats()?, &notes)?,
         Format::Json => serde_json::to_vec(&PanoramaAnswer::new(assumptions, sky, view.options.sky))?,
     })
+}
+
+/// Stars, planets, Moon and Sun for a picture.
+fn bodies_of(night: &NightSky) -> SkyBodies {
+    let points = night
+        .points()
+        .into_iter()
+        .map(|point| PointLight { direction: point.direction, illuminance_lx: point.illuminance_lx });
+    let discs = night.discs().into_iter().map(|disc| {
+        let lit_cd_m2 = disc.lit_cd_m2();
+        Disc {
+            direction: disc.point.direction,
+            radius_rad: 0.5 * disc.diameter_rad,
+            lit_cd_m2,
+            dark_cd_m2: lit_cd_m2.map(|luminance| luminance * disc.dark_ratio),
+            lit_share: disc.lit_share,
+            bright_limb_rad: disc.bright_limb_rad,
+        }
+    });
+    SkyBodies { points: points.collect(), discs: discs.collect() }
 }
 
 /// The words of a file: place, light, air, and whether the light was measured.

@@ -1,6 +1,6 @@
 //! The faintest stars by direction, how many of the stars are seen, and how the Milky Way stands out.
 
-use super::NightSky;
+use super::{NightSky, V_BAND};
 use skyglow_celestial::{
     Component,
     limiting_magnitude::{Eye, VisibleStars, visible_stars},
@@ -49,7 +49,7 @@ fn nearest_sample(direction: Direction) -> (usize, usize) {
 impl NightSky {
     /// Magnitudes of V that the air takes at a row of the panorama.
     fn extinction_mag(&self, row: usize) -> f64 {
-        -2.5 * self.transmittance[row].max(1e-30).log10()
+        -2.5 * self.transmittance[row][V_BAND].max(1e-30).log10()
     }
 
     /// Of these the ones that it takes more than at the zenith, which the limits of Crumey are for.

@@ -1,9 +1,11 @@
 //! The natural sky over a place at an instant: Sun, Moon, planets, stars, starlight, zodiacal light and airglow, each with the light
 //! that the same air scatters as artificial light is scattered in (`docs/model.md#night-sky`).
 
+mod bodies;
 mod limits;
 mod skipping;
 
+pub use bodies::{SeenDisc, SeenPoint};
 pub use limits::{DirectionLimit, SeenStars};
 pub use skipping::{DAY_BOUND, MOON_LOWEST_DEG};
 
@@ -68,8 +70,8 @@ pub struct NightSky {
     /// One for each component.
     parts: Vec<SkyPart>,
     seen: SeenSky,
-    /// Share of V that comes through the air at every row of the panorama.
-    transmittance: [f64; ELEVATION_COUNT],
+    /// Share that comes through the air at every row of the panorama.
+    transmittance: [[f64; BAND_COUNT]; ELEVATION_COUNT],
 }
 
 impl NightSky {
@@ -109,7 +111,7 @@ impl NightSky {
             components.push(maker.component(component, &part));
             parts.push(part);
         }
-        let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance[V_BAND]);
+        let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
         Ok(Self { heavens, components, parts, seen, transmittance })
     }

@@ -9,7 +9,7 @@ static TABLES: LazyLock<CelestialTables> = LazyLock::new(|| {
 });
 
 /// Over Barcelona, 100 m.
-fn sky(utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky {
+pub(super) fn sky(utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky {
     let over = Overhead {
         place: GeoPoint::from_deg(41.38, 2.17).unwrap(),
         altitude_m: 100.0,
