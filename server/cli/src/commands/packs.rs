@@ -1,4 +1,4 @@
-//! `skyglow packs`: the table packs on disk.
+//! `skyglow packs`: the table packs and celestial tables on disk.
 
 use crate::{
     failure::Failure,
@@ -8,10 +8,13 @@ use crate::{
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use skyglow_tables::{Manifest, Pack, TablesError, manifest::LobeError, packs_in};
+use skyglow_tables::{
+    CelestialTable, Manifest, Pack, TablesError, celestial::manifest::CelestialManifest, celestial_tables_in,
+    manifest::LobeError, packs_in,
+};
 use std::path::{Path, PathBuf};
 
-/// List the table packs, each read whole and checked: turbidity, scattering, checksum, measured error; status 1 where one is damaged
+/// List the table packs and celestial tables, each read whole and checked: turbidity, scattering, checksum, measured error; status 1 where one is damaged
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  skyglow packs\n  skyglow packs verify")]
 pub(crate) struct Packs {
@@ -35,13 +38,21 @@ enum Action {
     },
 }
 
-/// A pack, or why it is refused.
+/// What a file holds.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Description {
+    Pack(Box<Manifest>),
+    Celestial(Box<CelestialManifest>),
+}
+
+/// A pack or celestial table, or why it is refused.
 #[derive(Debug, Serialize)]
 struct Entry {
     path: PathBuf,
     bytes: u64,
     #[serde(flatten)]
-    manifest: Option<Manifest>,
+    manifest: Option<Description>,
     refused: Option<String>,
 }
 
@@ -54,7 +65,11 @@ impl Packs {
             }
             None => (self.packs.folder(), self.json.json),
         };
-        let entries: Vec<Entry> = packs_in(&folder).map_err(Failure::work)?.into_iter().map(entry).collect();
+        let packs = packs_in(&folder).map_err(Failure::work)?;
+        let celestial = celestial_tables_in(&folder).map_err(Failure::work)?;
+        let packs = packs.into_iter().map(|path| entry(path, verified_pack));
+        let entries: Vec<Entry> =
+            packs.chain(celestial.into_iter().map(|path| entry(path, verified_celestial))).collect();
         if json {
             print::print_json(&entries)?;
         } else if entries.is_empty() {
@@ -68,7 +83,7 @@ impl Packs {
 }
 
 /// A pack that is read whole and checked: a manifest beside it says nothing about the pack's own bytes.
-fn entry(path: PathBuf) -> Entry {
+fn entry(path: PathBuf, verified: impl Fn(&Path) -> Result<Description, TablesError>) -> Entry {
     let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
     match verified(&path) {
         Ok(manifest) => Entry { path, bytes, manifest: Some(manifest), refused: None },
@@ -76,8 +91,12 @@ fn entry(path: PathBuf) -> Entry {
     }
 }
 
-fn verified(path: &Path) -> Result<Manifest, TablesError> {
-    Pack::open(path).map(|pack| pack.manifest().clone())
+fn verified_pack(path: &Path) -> Result<Description, TablesError> {
+    Pack::open(path).map(|pack| Description::Pack(Box::new(pack.manifest().clone())))
+}
+
+fn verified_celestial(path: &Path) -> Result<Description, TablesError> {
+    CelestialTable::open(path).map(|table| Description::Celestial(Box::new(table.manifest().clone())))
 }
 
 /// An error of the worst lobe.
@@ -104,7 +123,7 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
         let name = entry.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut row = vec![name, format!("{:.1}", entry.bytes as f64 / 1e6)];
         match &entry.manifest {
-            Some(manifest) => row.extend([
+            Some(Description::Pack(manifest)) => row.extend([
                 manifest.turbidity.to_string(),
                 manifest.scattering.name().to_owned(),
                 manifest.ground_albedo.map_or_else(|| "-".to_owned(), |albedo| format!("albedo {albedo}")),
@@ -112,6 +131,16 @@ fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
                 manifest.basis_count.to_string(),
                 percent(manifest, |lobe| lobe.median),
                 percent(manifest, |lobe| lobe.p90),
+                manifest.checksum.chars().take(16).collect(),
+            ]),
+            Some(Description::Celestial(manifest)) => row.extend([
+                manifest.turbidity.to_string(),
+                "celestial".to_owned(),
+                format!("albedo {}", manifest.ground_albedo),
+                "-".to_owned(),
+                "-".to_owned(),
+                format!("{:.2} %", 100.0 * manifest.measured_error.median),
+                format!("{:.2} %", 100.0 * manifest.measured_error.p90),
                 manifest.checksum.chars().take(16).collect(),
             ]),
             None => row.push("damaged".to_owned()),

@@ -1,16 +1,20 @@
-//! `skyglow precompute`: the table pack of one turbidity, or of several at once.
+//! `skyglow precompute`: the table pack of one turbidity, or of several at once, with the celestial table beside it.
 
 use crate::{failure::Failure, folders, print, progress::Stages, values};
 use clap::Args;
 use skyglow_app::parameters::MAX_BASIS_FUNCTIONS;
 use skyglow_physics::{CloudBase, Turbidity};
-use skyglow_tables::{BasisCount, Clouds, MultipleAxes, PrecomputeOptions, Scattering, precompute_together};
+use skyglow_tables::{
+    BasisCount, Clouds, MultipleAxes, PrecomputeOptions, Scattering,
+    celestial::{CelestialOptions, precompute_celestial},
+    precompute_together,
+};
 use std::path::PathBuf;
 
-/// Make the table pack of one turbidity, or of several at once (minutes; goes on where a killed run stopped)
+/// Make the table pack of one turbidity, or of several at once, and the celestial table beside it (minutes; goes on where a killed run stopped)
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)\n  skyglow precompute --turbidity 2.5 --ground-albedo 0.8 --out snow\n  skyglow precompute --turbidity 2.5 --cloud-base 1500   (an overcast sky)"
+    after_help = "Example:\n  skyglow precompute --turbidity 2.5 --out packs\n  skyglow precompute --turbidity 1.5,2.5,6 --out packs   (shares most of the work)\n  skyglow precompute --turbidity 2.5 --ground-albedo 0.8 --out snow\n  skyglow precompute --turbidity 2.5 --cloud-base 1500   (an overcast sky)\n  skyglow precompute --turbidity 2.5 --part celestial   (skies of Sun and Moon alone)"
 )]
 pub(crate) struct Precompute {
     /// Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 thick haze; several with commas
@@ -23,6 +27,9 @@ pub(crate) struct Precompute {
         required = true
     )]
     turbidity: Vec<Turbidity>,
+    /// Make one part alone: skies of lamps, or of beams from the sky [default: both, but under clouds and in single scattering lamps alone]
+    #[arg(long, env = "SKYGLOW_PART", value_enum)]
+    part: Option<Part>,
     /// Orders of scattering
     #[arg(long, env = "SKYGLOW_SCATTERING", value_enum, default_value = "multiple")]
     scattering: Orders,
@@ -41,6 +48,14 @@ pub(crate) struct Precompute {
     /// Number of basis functions, a multiple of 4 [default: as the packs that come with the program: 112 up to turbidity 2, else 96]
     #[arg(long, env = "SKYGLOW_BASIS", value_name = "M", value_parser = multiple_of_4)]
     basis: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Skies of lamps
+    Lamps,
+    /// Skies of beams: Sun, Moon, starlight
+    Celestial,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -77,13 +92,37 @@ impl Precompute {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = self.options()?;
+        let celestial = self.celestial_options(&options)?;
         let out = self.out.unwrap_or_else(folders::packs_folder_in_force);
-        let paths =
-            precompute_together(&self.turbidity, &options, &out, &Stages::new()).map_err(Failure::work)?;
+        let mut paths = Vec::new();
+        // The short part first.
+        if let Some(celestial) = &celestial {
+            let made = precompute_celestial(&self.turbidity, celestial, &out, &Stages::new());
+            paths.extend(made.map_err(Failure::work)?);
+        }
+        if self.part != Some(Part::Celestial) {
+            let made = precompute_together(&self.turbidity, &options, &out, &Stages::new());
+            paths.extend(made.map_err(Failure::work)?);
+        }
         for path in paths {
             print::print_line(&path.display().to_string())?;
         }
         Ok(())
+    }
+
+    /// What celestial tables hold, where any are made: beams come through clear air, and all their orders are one table.
+    fn celestial_options(&self, options: &PrecomputeOptions) -> Result<Option<CelestialOptions>, Failure> {
+        let are_possible = options.scattering == Scattering::Multiple && options.clouds.is_none();
+        match self.part {
+            Some(Part::Celestial) if !are_possible => Err(Failure::Usage(
+                "--part celestial is for multiple scattering under a clear sky".to_owned(),
+            )),
+            Some(Part::Lamps) => Ok(None),
+            _ => Ok(are_possible.then(|| CelestialOptions {
+                ground_albedo: options.multiple.ground_albedo,
+                ..CelestialOptions::default()
+            })),
+        }
     }
 
     fn options(&self) -> Result<PrecomputeOptions, Failure> {
@@ -165,6 +204,23 @@ mod tests {
         }
         let below = options(&["--cloud-base", "1000"]).unwrap();
         assert!(below.multiple.ground_altitude_m.iter().all(|&ground_m| ground_m <= 900.0));
+    }
+
+    /// Both parts unless one is asked for; beams come through clear air alone.
+    #[test]
+    fn one_part_alone_can_be_made() {
+        let celestial = |arguments: &[&str]| {
+            let line =
+                Line::try_parse_from([&["precompute", "--turbidity", "3"], arguments].concat()).unwrap();
+            line.precompute.celestial_options(&line.precompute.options()?)
+        };
+        assert_eq!(celestial(&[]).unwrap(), Some(CelestialOptions::default()));
+        assert_eq!(celestial(&["--part", "lamps"]).unwrap(), None);
+        assert_eq!(celestial(&["--scattering", "single"]).unwrap(), None);
+        assert_eq!(celestial(&["--cloud-base", "1500"]).unwrap(), None);
+        let snow = celestial(&["--part", "celestial", "--ground-albedo", "0.8"]).unwrap().unwrap();
+        assert_eq!(snow.ground_albedo, 0.8);
+        assert!(celestial(&["--part", "celestial", "--cloud-base", "1500"]).is_err());
     }
 
     impl Line {

@@ -14,6 +14,8 @@ use std::sync::LazyLock;
 
 /// Vertical optical depth of molecules over sea level at 550 nm (Bucholtz 1995), as lamps have it.
 const MOLECULE_DEPTH_550: f64 = MOLECULE_EXTINCTION_550_PER_M * MOLECULE_SCALE_HEIGHT_M;
+/// Ozone over a place, Dobson units, in the mean over the Earth and the year.
+pub const USUAL_OZONE_DOBSON: f64 = 300.0;
 /// Power of the wavelength in the extinction of aerosol, as lamps have it.
 const AEROSOL_POWER: f64 = 1.3;
 /// Refractive index of the air at sea level and 15 °C less 1, at 550 nm (Ciddor 1996); others differ by 1 %.
@@ -42,8 +44,11 @@ const STANDARD_RADIUS_M: f64 = 6_356_766.0;
 /// How molecules are spread over altitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoleculeProfile {
-    /// US Standard Atmosphere 1976.
-    Standard,
+    /// US Standard Atmosphere 1976, with so much ozone, Dobson units.
+    Standard {
+        /// [`USUAL_OZONE_DOBSON`] in the mean.
+        ozone_dobson: f64,
+    },
     /// Exponential, with extinction at sea level and 550 nm, and without ozone: to compare with older numbers.
     Exponential {
         /// Scale height, metres.
@@ -120,7 +125,12 @@ static STANDARD_COLUMN_M: LazyLock<f64> = LazyLock::new(|| {
 impl BeamAir {
     /// The air of a turbidity at the bands' wavelengths.
     pub fn new(turbidity: Turbidity) -> Self {
-        Self::with_profile(turbidity, MoleculeProfile::Standard, true, Band::ALL.map(Band::wavelength_nm))
+        Self::with_profile(
+            turbidity,
+            MoleculeProfile::Standard { ozone_dobson: USUAL_OZONE_DOBSON },
+            true,
+            Band::ALL.map(Band::wavelength_nm),
+        )
     }
 
     /// The air of a turbidity with another profile, with or without refraction, at any wavelengths, nm.
@@ -130,8 +140,10 @@ impl BeamAir {
         is_refracting: bool,
         wavelengths_nm: [f64; BAND_COUNT],
     ) -> Self {
-        let (extinction_550_per_m, depth_550, ozone) = match profile {
-            MoleculeProfile::Standard => (MOLECULE_DEPTH_550 / *STANDARD_COLUMN_M, MOLECULE_DEPTH_550, 1.0),
+        let (extinction_550_per_m, depth_550, ozone_dobson) = match profile {
+            MoleculeProfile::Standard { ozone_dobson } => {
+                (MOLECULE_DEPTH_550 / *STANDARD_COLUMN_M, MOLECULE_DEPTH_550, ozone_dobson)
+            }
             MoleculeProfile::Exponential { scale_height_m, extinction_550_per_m, .. } => {
                 (extinction_550_per_m, extinction_550_per_m * scale_height_m, 0.0)
             }
@@ -144,7 +156,7 @@ impl BeamAir {
             molecules_per_m: wavelengths_nm
                 .map(|nm| extinction_550_per_m * (550.0 / nm).powf(MOLECULE_WAVELENGTH_POWER)),
             aerosol_per_m: wavelengths_nm.map(|nm| aerosol_550_per_m * (550.0 / nm).powf(AEROSOL_POWER)),
-            ozone_per_m: wavelengths_nm.map(|nm| ozone * ozone::densest_extinction_per_m(nm)),
+            ozone_per_m: wavelengths_nm.map(|nm| ozone_dobson * ozone::densest_extinction_per_m(nm)),
         }
     }
 
@@ -158,7 +170,7 @@ impl BeamAir {
         match self.profile {
             MoleculeProfile::Exponential { top_m, .. } if altitude_m > top_m => 0.0,
             MoleculeProfile::Exponential { scale_height_m, .. } => (-altitude_m / scale_height_m).exp(),
-            MoleculeProfile::Standard => {
+            MoleculeProfile::Standard { .. } => {
                 let (last, table) = (LOG_DENSITY.len() - 2, &*LOG_DENSITY);
                 let place = ((altitude_m - LOWEST_M) / STEP_M).max(0.0);
                 let lower = (place as usize).min(last);
@@ -249,7 +261,12 @@ mod tests {
         let at = [550.0; BAND_COUNT];
         for turbidity in [1.0, 2.5] {
             let turbidity = Turbidity::new(turbidity).unwrap();
-            let air = BeamAir::with_profile(turbidity, MoleculeProfile::Standard, true, at);
+            let air = BeamAir::with_profile(
+                turbidity,
+                MoleculeProfile::Standard { ozone_dobson: USUAL_OZONE_DOBSON },
+                true,
+                at,
+            );
             let wanted = 0.0973 * turbidity.value() + 0.085 * 0.3;
             let depth = air.vertical_optical_depth(0.0)[0];
             assert!((depth / wanted - 1.0).abs() < 2e-3, "{depth} {wanted}");

@@ -77,7 +77,7 @@ pub struct BeamField {
 }
 
 /// Altitude of the ground and of the sphere that throws the Earth's shadow, metres.
-const GROUND_M: f64 = 0.0;
+pub(super) const GROUND_M: f64 = 0.0;
 
 impl BeamField {
     /// Solves the field. Runs on the current rayon pool; the result does not depend on the number of threads.

@@ -14,8 +14,7 @@ use std::f64::consts::{PI, TAU};
 pub(super) type Bands = [f32; BAND_COUNT];
 
 /// Ranges of zenith angles of the source by their first, and the step in each, degrees; they end at [`LAST_RING_DEG`].
-const RING_STEPS_DEG: [(f64, f64); 7] =
-    [(0.0, 10.0), (60.0, 5.0), (80.0, 2.0), (86.0, 1.0), (88.0, 0.5), (102.0, 1.0), (108.0, 2.0)];
+const RING_STEPS_DEG: [(f64, f64); 5] = [(0.0, 10.0), (60.0, 4.0), (80.0, 1.0), (88.0, 0.5), (102.0, 1.0)];
 const LAST_RING_DEG: f64 = 124.0;
 /// Rings are looked up by a table of this step, degrees; every ring lies on a step.
 const LOOKUP_DEG: f64 = 0.5;

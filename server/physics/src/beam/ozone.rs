@@ -1,8 +1,8 @@
 //! Ozone: its density over altitude at mid latitudes (US Standard Atmosphere 1976, after Krueger and Minzner 1976) and its
 //! absorption in the visible, the Chappuis band (Bird and Riordan 1984, after Leckner 1978).
 
-/// Centimetres of pure ozone at 0 °C and 1 atm over a place: 300 Dobson units.
-const COLUMN_ATM_CM: f64 = 0.3;
+/// Centimetres of pure ozone at 0 °C and 1 atm in a Dobson unit.
+const ATM_CM_PER_DOBSON: f64 = 1e-3;
 
 /// Altitude [km] and molecules per cm³, in 10¹⁰.
 const PROFILE: [(f64, f64); 34] = [
@@ -87,9 +87,9 @@ fn relative_column_m() -> f64 {
         / 486.0
 }
 
-/// Extinction where ozone is densest, m⁻¹.
+/// Extinction where ozone is densest, m⁻¹ per Dobson unit over the place.
 pub(super) fn densest_extinction_per_m(wavelength_nm: f64) -> f64 {
-    interpolated(&ABSORPTION, wavelength_nm) * COLUMN_ATM_CM / relative_column_m()
+    interpolated(&ABSORPTION, wavelength_nm) * ATM_CM_PER_DOBSON / relative_column_m()
 }
 
 #[cfg(test)]
@@ -102,7 +102,7 @@ mod tests {
         let molecules_per_cm2 = relative_column_m() * 100.0 * 486e10;
         let dobson = molecules_per_cm2 / 2.687e16;
         assert!((dobson / 345.0 - 1.0).abs() < 0.03, "{dobson}");
-        let depth = densest_extinction_per_m(600.0) * relative_column_m();
+        let depth = 300.0 * densest_extinction_per_m(600.0) * relative_column_m();
         assert!((depth - 0.0358).abs() < 4e-4, "{depth}");
         assert!(densest_extinction_per_m(440.0) < 0.1 * densest_extinction_per_m(510.0));
     }

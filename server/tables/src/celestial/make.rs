@@ -137,7 +137,7 @@ fn direct(field: &BeamField, axes: &CelestialAxes) -> (Vec<f32>, Vec<f32>) {
             // The last point lies on the edge, where rounding must not put it behind.
             let zenith = shadow_rad * (1.0 - from_edge * from_edge) - 1e-9;
             let through = field.transmittance(altitude_m, zenith.max(0.0));
-            direct.extend(through.map(|through| through.max(1e-300).ln() as f32));
+            direct.extend(through.map(|through| (-through.max(1e-300).ln()).max(1e-6).ln() as f32));
         }
     }
     (direct, shadow)
@@ -186,6 +186,8 @@ fn measure_error(table: &CelestialTable, field: &BeamField) -> BeamSkyError {
         samples: sorted.len(),
         relative_to: "the radiance of the solver itself in the same direction".to_owned(),
         mean: sorted.iter().sum::<f64>() / sorted.len() as f64,
+        median: sorted[sorted.len() / 2],
+        p90: sorted[sorted.len() * 9 / 10],
         p99: sorted[sorted.len() * 99 / 100],
         largest: sorted[sorted.len() - 1],
         zenith_largest: at_zenith.fold(0.0, f64::max),

@@ -27,7 +27,7 @@ impl CelestialAxes {
     /// Those of the tables that come with the program.
     pub fn full() -> Self {
         let steps: [(f64, f64); 7] =
-            [(0.0, 12.0), (48.0, 8.0), (72.0, 4.0), (84.0, 1.0), (88.0, 0.5), (94.0, 1.0), (104.0, 2.0)];
+            [(0.0, 12.0), (48.0, 8.0), (64.0, 4.0), (76.0, 2.0), (84.0, 1.0), (88.0, 0.5), (94.0, 1.0)];
         let mut zenith_angle_deg = Vec::new();
         for (index, &(from, step)) in steps.iter().enumerate() {
             let to = steps.get(index + 1).map_or(112.0 + step, |next| next.0);
@@ -36,13 +36,13 @@ impl CelestialAxes {
         }
         Self {
             zenith_angle_deg,
-            observer_altitude_m: vec![0.0, 500.0, 1_200.0, 2_500.0, 4_500.0],
+            observer_altitude_m: vec![0.0, 400.0, 900.0, 1_500.0, 2_300.0, 3_300.0, 4_500.0],
             elevation_deg: vec![
                 0.0, 0.7, 1.5, 2.5, 4.0, 6.0, 8.5, 11.5, 15.0, 19.0, 24.0, 30.0, 36.0, 43.0, 50.0, 57.0,
                 64.0, 71.0, 78.0, 84.0, 90.0,
             ],
-            azimuth_count: 19,
-            direct_count: 64,
+            azimuth_count: 25,
+            direct_count: 96,
         }
     }
 
@@ -71,6 +71,10 @@ pub struct BeamSkyError {
     pub relative_to: String,
     /// Mean.
     pub mean: f64,
+    /// Median.
+    pub median: f64,
+    /// 90th percentile.
+    pub p90: f64,
     /// 99th percentile.
     pub p99: f64,
     /// Largest.
@@ -130,7 +134,8 @@ impl CelestialManifest {
             sections: [
                 "scattered i16 [observer_altitude][zenith_angle][band][elevation][azimuth], steps; stored as \
                  differences along azimuth, elevation and zenith angle",
-                "direct f32 [observer_altitude][point][band], ln of the share of the beam that comes through",
+                "direct f32 [observer_altitude][point][band], ln of the optical depth: of -ln of the share of the beam that comes \
+                 through",
                 "shadow f32 [observer_altitude], rad, true zenith angle at which the beam is cut off",
             ]
             .map(str::to_owned)

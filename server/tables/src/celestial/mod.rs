@@ -30,10 +30,12 @@ pub struct CelestialTable {
     manifest: CelestialManifest,
     zenith_angle_rad: Vec<f64>,
     elevation_node_rad: Vec<f64>,
+    /// 0, 1, 2, …, one a point of the direct beam.
+    direct_place: Vec<f64>,
     air: BeamAir,
     /// `[observer_altitude][zenith_angle][band][elevation][azimuth]`, steps.
     scattered: Vec<i16>,
-    /// `[observer_altitude][point][band]`.
+    /// ln of the optical depth, `[observer_altitude][point][band]`.
     direct: Vec<f32>,
     /// True zenith angle at which the beam is cut off, `[observer_altitude]`.
     shadow_rad: Vec<f32>,
@@ -72,6 +74,7 @@ impl CelestialTable {
         Self {
             zenith_angle_rad: radians(&manifest.axes.zenith_angle_deg),
             elevation_node_rad: radians(&manifest.axes.elevation_deg),
+            direct_place: (0..manifest.axes.direct_count).map(|point| point as f64).collect(),
             air: BeamAir::new(turbidity),
             manifest,
             scattered,
@@ -104,7 +107,7 @@ impl CelestialTable {
         let direct = (0..axes.observer_altitude_m.len() * axes.direct_count * BAND_COUNT)
             .map(|index| {
                 let point = index / BAND_COUNT % axes.direct_count;
-                -0.3 / (1.0 - point as f32 / (axes.direct_count as f32 - 0.5))
+                (0.3 / (1.0 - point as f32 / (axes.direct_count as f32 - 0.5))).ln()
             })
             .collect();
         let shadow_rad = vec![1.58; axes.observer_altitude_m.len()];
@@ -171,13 +174,13 @@ impl CelestialTable {
         let count = self.manifest.axes.direct_count;
         let place =
             (1.0 - (1.0 - zenith_angle_rad.max(0.0) / shadow_rad).max(0.0).sqrt()) * (count - 1) as f64;
-        let lower = (place as usize).min(count - 2);
-        let across = place - lower as f64;
+        let point = Stencil::lagrange(&self.direct_place, place);
         std::array::from_fn(|band| {
             let at = |node: usize, point: usize| {
                 f64::from(self.direct[(node * count + point) * BAND_COUNT + band])
             };
-            altitude.sum(|node| at(node, lower) + across * (at(node, lower + 1) - at(node, lower))).exp()
+            let log_depth = altitude.sum(|node| point.sum(|point| at(node, point)));
+            (-log_depth.exp()).exp()
         })
     }
 

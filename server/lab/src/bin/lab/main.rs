@@ -3,6 +3,7 @@
 mod accuracy;
 mod against_reference;
 mod arguments;
+mod beams;
 mod blocked_accuracy;
 mod brightness;
 mod class_accuracy;
@@ -58,6 +59,7 @@ enum Program {
     FieldResolution(field_resolution::Arguments),
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
+    Beams(beams::Arguments),
     Lamps(lamps::Arguments),
     Spectra(spectra::Arguments),
     Brightness(brightness::Arguments),
@@ -91,6 +93,7 @@ fn main() -> Outcome {
         Program::FieldResolution(arguments) => field_resolution::run(&arguments),
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
+        Program::Beams(arguments) => beams::run(&arguments),
         Program::Lamps(arguments) => lamps::run(&arguments),
         Program::Spectra(arguments) => spectra::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),

@@ -5,10 +5,10 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// xoshiro256++ (Blackman and Vigna 2021), seeded by SplitMix64 (Steele et al. 2014).
-pub(super) struct Random([u64; 4]);
+pub(crate) struct Random([u64; 4]);
 
 impl Random {
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut state = seed ^ stream.wrapping_mul(0xD134_2543_DE82_EF95);
         Self(std::array::from_fn(|_| {
             state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -20,7 +20,7 @@ impl Random {
     }
 
     /// Even in 0..1, neither end included.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         let s = &mut self.0;
         let result = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
         let t = s[1] << 17;
@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// Σ coefficient·phase, m⁻¹ sr⁻¹. Rays are followed against the light, so no turn is cos γ = 1 here too.
-pub(super) fn mixed_phase(scatterers: [f64; 2], cos_gamma: f64) -> f64 {
+pub(crate) fn mixed_phase(scatterers: [f64; 2], cos_gamma: f64) -> f64 {
     let cos_gamma = cos_gamma.clamp(-1.0, 1.0);
     scatterers[0] * rayleigh_per_sr(cos_gamma)
         + scatterers[1] * henyey_greenstein_per_sr(cos_gamma, AEROSOL_ASYMMETRY)
@@ -43,7 +43,7 @@ pub(super) fn mixed_phase(scatterers: [f64; 2], cos_gamma: f64) -> f64 {
 
 /// A direction after a scattering from `direction`, drawn from the mix of both phase functions (Henyey–Greenstein by
 /// inversion, Witt 1977).
-pub(super) fn scattered_direction(direction: DVec3, scatterers: [f64; 2], random: &mut Random) -> DVec3 {
+pub(crate) fn scattered_direction(direction: DVec3, scatterers: [f64; 2], random: &mut Random) -> DVec3 {
     let cosine = if random.unit() * (scatterers[0] + scatterers[1]) < scatterers[0] {
         rayleigh_cosine(random)
     } else {
@@ -55,7 +55,7 @@ pub(super) fn scattered_direction(direction: DVec3, scatterers: [f64; 2], random
 }
 
 /// A direction drawn as a Lambertian surface sends light out.
-pub(super) fn lambertian_direction(normal: DVec3, random: &mut Random) -> DVec3 {
+pub(crate) fn lambertian_direction(normal: DVec3, random: &mut Random) -> DVec3 {
     let cosine = random.unit().sqrt();
     turned(normal, cosine, TAU * random.unit())
 }
@@ -71,14 +71,14 @@ fn rayleigh_cosine(random: &mut Random) -> f64 {
 }
 
 /// The unit vector at an angle from `axis`, turned about it.
-pub(super) fn turned(axis: DVec3, cosine: f64, turn: f64) -> DVec3 {
+pub(crate) fn turned(axis: DVec3, cosine: f64, turn: f64) -> DVec3 {
     let (a, b) = axis.any_orthonormal_pair();
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     (axis * cosine + (a * turn.cos() + b * turn.sin()) * sine).normalize()
 }
 
 /// Path at which an ascending optical depth reaches `wanted`, metres; `whole` is the depth at `end_m`.
-pub(super) fn path_of_depth_m(wanted: f64, whole: f64, end_m: f64, depth_at: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn path_of_depth_m(wanted: f64, whole: f64, end_m: f64, depth_at: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b, mut depth_a, mut depth_b) = (0.0, end_m, 0.0, whole);
     for k in 0..60 {
         // Secants, limited to 2–98 % of the interval, and every third time a bisection.

@@ -6,7 +6,7 @@
 
 mod backward;
 mod crossing;
-mod draws;
+pub(crate) mod draws;
 mod forward;
 
 use crate::emission::LOBE_COUNT;
