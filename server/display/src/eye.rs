@@ -8,7 +8,7 @@ use skyglow_physics::mesopic::mesopic;
 const RESPONSE_EXPONENT: f64 = 0.73;
 /// Mesopic luminance that an eye adapted to the night sees as half of the brightest, cd m⁻². Fixed, so that two skies compare: a sky
 /// of 22 mag arcsec⁻² is then a near-black blue-grey, the dome of a city a middle tone, a full moon white.
-const HALF_BRIGHTNESS_CD_M2: f64 = 0.09;
+const HALF_BRIGHTNESS_CD_M2: f64 = 0.25;
 /// Chromaticity of what rods alone see: half-way from white (D65) to the blue that painters and viewers choose for moonlight,
 /// (0.25, 0.25).
 const ROD_CHROMATICITY: [f64; 2] = [0.281, 0.290];
