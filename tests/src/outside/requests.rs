@@ -28,6 +28,7 @@ fn facts() -> SourceFacts {
         kinds: vec![kind(Scattering::Single, None), kind(Scattering::Multiple, Some(0.15))],
         any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),
+        celestial_turbidity_range: Some((1.5, 6.0)),
         pack_checksums: "none".to_owned(),
     }
 }
