@@ -7,7 +7,7 @@ mod common;
 use skyglow_lab::setup::open_sky;
 use skyglow_observatory::{BrightnessRequest, Observatory, SkyRequest};
 use skyglow_physics::{
-    ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
+    BAND_COUNT, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
     photometry::luminance_cd_m2,
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -49,9 +49,9 @@ impl StoredReference {
         GeoPoint::from_deg(self.latitude_deg, self.longitude_deg).unwrap()
     }
 
-    /// Radiance of the three bands at a sample.
-    fn bands(&self, sample: usize, turbidity: usize) -> [f64; 3] {
-        std::array::from_fn(|band| self.radiance[sample][turbidity * 3 + band])
+    /// Radiance of the bands at a sample.
+    fn bands(&self, sample: usize, turbidity: usize) -> [f64; BAND_COUNT] {
+        std::array::from_fn(|band| self.radiance[sample][turbidity * BAND_COUNT + band])
     }
 }
 
