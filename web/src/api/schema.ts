@@ -76,6 +76,40 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/night": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Rise, set and twilights of a night, its Moon, and when it is dark. */
+        get: operations["get_night"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/nights": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How long the nights of a month are dark. */
+        get: operations["list_nights"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/openapi.json": {
         parameters: {
             query?: never;
@@ -681,7 +715,7 @@ export interface components {
             hidden_lights: boolean;
             /** @description The lamp. */
             lamp: components["schemas"]["LampAnswer"];
-            /** @description Vertical optical depth above the observer in R, G, B. */
+            /** @description Vertical optical depth above the observer at 680, 590, 510 and 440 nm. */
             local_optical_depth: number[];
             /** @description Where the observer is. */
             observer: components["schemas"]["ObserverAnswer"];
@@ -694,10 +728,17 @@ export interface components {
             /** @description The scene. */
             scene: components["schemas"]["SceneReference"];
             /**
+             * Format: double
+             * @description Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent without a time.
+             */
+            solar_flux_sfu?: number | null;
+            /**
              * @description Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
              *     terrain.
              */
             terrain_occlusion: boolean;
+            /** @description The time that the natural sky is of; absent where none was asked for, and it is 22.0 mag arcsec⁻² in every direction. */
+            time?: string | null;
             /**
              * Format: double
              * @description Turbidity at sea level.
@@ -748,6 +789,45 @@ export interface components {
              */
             turbidity: number;
         };
+        /** @description Sun, Moon and planets over a site at an instant. */
+        BodiesAnswer: {
+            /** @description The Moon. */
+            moon: components["schemas"]["MoonAnswer"];
+            /** @description Mercury to Neptune. */
+            planets: components["schemas"]["PlanetAnswer"][];
+            /** @description The Sun. */
+            sun: components["schemas"]["SunAnswer"];
+            /** @description When. */
+            time: components["schemas"]["Instant"];
+        };
+        /** @description Where a body is. */
+        BodyPlace: {
+            /**
+             * Format: double
+             * @description With the refraction of a standard air, degrees.
+             */
+            apparent_altitude_deg: number;
+            /**
+             * Format: double
+             * @description Clockwise from true north, degrees.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Distance, km.
+             */
+            distance_km: number;
+            /**
+             * Format: double
+             * @description V outside the air.
+             */
+            magnitude_v: number;
+            /**
+             * Format: double
+             * @description Above the horizontal plane without refraction, degrees.
+             */
+            true_altitude_deg: number;
+        };
         /** @description A stroke. */
         BrushBody: {
             /** @description Longitude and latitude of its points, degrees: 1 to 1000. */
@@ -761,6 +841,91 @@ export interface components {
              */
             radius_m: number;
         };
+        /** @description The nights of a month. */
+        Calendar: {
+            /**
+             * Format: double
+             * @description Sum of the dark hours.
+             */
+            dark_hours: number;
+            /** @description Dates from the most dark hours to the fewest; the earlier first where they are equal. */
+            darkest: components["schemas"]["CalendarDate"][];
+            /** @description As `2026-08`. */
+            month: string;
+            /** @description New Moons, quarters and full Moons between the month's first and last noon. */
+            moon_phases: components["schemas"]["PhaseEvent"][];
+            /** @description By date. */
+            nights: components["schemas"]["CalendarNight"][];
+            /** @description Where. */
+            site: components["schemas"]["Site"];
+        };
+        /** Format: date */
+        CalendarDate: string;
+        /** @description A night of a calendar. */
+        CalendarNight: {
+            /**
+             * Format: double
+             * @description The Sun lower than −18°, the Moon there or not, hours.
+             */
+            astronomical_night_hours: number;
+            /**
+             * Format: double
+             * @description The Sun lower than −18° and the Moon below the horizon, hours.
+             */
+            dark_hours: number;
+            /** @description When it is dark. */
+            dark_intervals: components["schemas"]["Interval"][];
+            /** @description The date of the evening. */
+            date: components["schemas"]["CalendarDate"];
+            /**
+             * Format: double
+             * @description Lit part of the Moon when the Sun is lowest, 0..=1.
+             */
+            moon_illuminated_fraction: number;
+            /** @description Its phase then. */
+            moon_phase: components["schemas"]["MoonPhase"];
+        };
+        /**
+         * @description A part of the light that comes from outside the air. Cities are not among them.
+         * @enum {string}
+         */
+        Component: "sun" | "moon" | "planets" | "stars" | "starlight" | "zodiacal_light" | "airglow";
+        /** @description One component of the natural sky. */
+        ComponentAnswer: {
+            /** @description Which. */
+            component: components["schemas"]["Component"];
+            /**
+             * Format: double
+             * @description Illuminance by its discs or points above the horizon, each across its beam, lx.
+             */
+            direct_illuminance_lx: number;
+            /**
+             * Format: double
+             * @description The same, mag arcsec⁻²; null without light.
+             */
+            mean_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description Mean luminance over the visible sky, cd m⁻².
+             */
+            mean_luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description The same, mag arcsec⁻²; null without light.
+             */
+            zenith_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description Mean luminance within 5° of the zenith, cd m⁻²: light that the air scatters, and of starlight, zodiacal light and airglow what
+             *     comes through it. Discs and stars themselves are not in it.
+             */
+            zenith_luminance_cd_m2: number;
+        };
+        /**
+         * @description What the Sun makes of the hour.
+         * @enum {string}
+         */
+        Daylight: "day" | "civil_twilight" | "nautical_twilight" | "astronomical_twilight" | "night";
         /** @description A pixel that is dimmed. */
         DimmedPixelAnswer: {
             /**
@@ -820,6 +985,29 @@ export interface components {
              * @description Row, the same way.
              */
             row: number;
+        };
+        /** @description The faintest star of a direction. */
+        DirectionLimitAnswer: {
+            /**
+             * Format: double
+             * @description Degrees clockwise from north.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Degrees.
+             */
+            elevation_deg: number;
+            /**
+             * Format: double
+             * @description Luminance of all light there, cd m⁻².
+             */
+            luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description V outside the air of the faintest star that the naked eye sees there; null where terrain hides the sky.
+             */
+            naked_eye_limit_mag?: number | null;
         };
         /** @description An edit as it was understood. */
         EditAnswer: {
@@ -1095,6 +1283,20 @@ export interface components {
              */
             share: number;
         };
+        /** Format: date-time */
+        Instant: string;
+        /** @description A part of the night. */
+        Interval: {
+            /** @description It begins. */
+            from_utc: components["schemas"]["Instant"];
+            /**
+             * Format: double
+             * @description Its length, hours.
+             */
+            hours: number;
+            /** @description It ends. */
+            until_utc: components["schemas"]["Instant"];
+        };
         /** @description A job. */
         JobAnswer: {
             /** @description Its id. */
@@ -1157,11 +1359,144 @@ export interface components {
          * @enum {string}
          */
         Light: "artificial" | "total";
+        /** @description Where the Milky Way stands out most. */
+        MilkyWayContrast: {
+            /**
+             * Format: double
+             * @description Clockwise from true north, degrees.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description What the band adds to the sky beside it, over that sky: 0 is none.
+             */
+            contrast: number;
+            /**
+             * Format: double
+             * @description Degrees above the horizontal plane.
+             */
+            elevation_deg: number;
+            /**
+             * Format: double
+             * @description Galactic longitude of the place, degrees.
+             */
+            galactic_longitude_deg: number;
+        };
         /**
          * @description Kinds of mistakes in parameters.
          * @enum {string}
          */
         Mistake: "unknown_parameter" | "missing" | "repeated" | "malformed" | "not_allowed" | "conflict" | "out_of_range" | "not_resident";
+        /** @description The Moon. */
+        MoonAnswer: components["schemas"]["BodyPlace"] & {
+            /**
+             * Format: double
+             * @description The same from celestial north to the east.
+             */
+            bright_limb_from_north_deg: number;
+            /**
+             * Format: double
+             * @description From the Moon's middle to that of its bright limb, counterclockwise from the zenith as the observer sees it, degrees.
+             */
+            bright_limb_from_zenith_deg: number;
+            /**
+             * Format: double
+             * @description Across its disc, degrees.
+             */
+            diameter_deg: number;
+            /**
+             * Format: double
+             * @description Lit part of the disc, 0..=1.
+             */
+            illuminated_fraction: number;
+            /** @description Whether the lit part grows. */
+            is_waxing: boolean;
+            /** @description Its phase. */
+            phase: components["schemas"]["MoonPhase"];
+            /**
+             * Format: double
+             * @description Sun–Moon–observer angle, degrees: 0 at full Moon.
+             */
+            phase_angle_deg: number;
+            /**
+             * Format: double
+             * @description Between Moon and Sun, degrees.
+             */
+            separation_from_sun_deg: number;
+        };
+        /** @description How the Moon goes through the night. */
+        MoonEvents: {
+            /**
+             * Format: double
+             * @description Lit part of its disc when the Sun is lowest, 0..=1.
+             */
+            illuminated_fraction: number;
+            /** @description Whether the lit part grows. */
+            is_waxing: boolean;
+            /**
+             * Format: double
+             * @description V outside the air then.
+             */
+            magnitude_v: number;
+            /** @description Its phase then. */
+            phase: components["schemas"]["MoonPhase"];
+            /**
+             * Format: double
+             * @description Sun–Moon–observer angle then, degrees: 0 at full Moon.
+             */
+            phase_angle_deg: number;
+            /** @description It rises: its upper limb comes, by standard refraction at a level horizon. */
+            rises_utc: components["schemas"]["Instant"][];
+            /** @description It sets. */
+            sets_utc: components["schemas"]["Instant"][];
+            stays?: components["schemas"]["Stays"] | null;
+            /** @description Upper transits. */
+            transits: components["schemas"]["Transit"][];
+        };
+        /**
+         * @description A phase of the Moon.
+         * @enum {string}
+         */
+        MoonPhase: "new_moon" | "waxing_crescent" | "first_quarter" | "waxing_gibbous" | "full_moon" | "waning_gibbous" | "last_quarter" | "waning_crescent";
+        /** @description A night: from noon to noon in local mean solar time. */
+        Night: {
+            /** @description The Sun lower than −18°, the Moon there or not. */
+            astronomical_night: components["schemas"]["Interval"][];
+            /**
+             * Format: double
+             * @description Sum of the dark intervals, hours.
+             */
+            dark_hours: number;
+            /** @description The Sun lower than −18° and the Moon below the horizon. */
+            dark_intervals: components["schemas"]["Interval"][];
+            /** @description The date of the evening. */
+            date: components["schemas"]["CalendarDate"];
+            /** @description The noon that it begins with. */
+            from_utc: components["schemas"]["Instant"];
+            /** @description The Moon. */
+            moon: components["schemas"]["MoonEvents"];
+            /** @description Where. */
+            site: components["schemas"]["Site"];
+            /** @description The Sun. */
+            sun: components["schemas"]["SunEvents"];
+            /** @description Civil, nautical and astronomical. */
+            twilights: components["schemas"]["Twilight"][];
+            /** @description The noon that it ends with. */
+            until_utc: components["schemas"]["Instant"];
+        };
+        /** @description What the natural sky of a time is made of, and what is seen of the stars. */
+        NightSkyAnswer: components["schemas"]["BodiesAnswer"] & {
+            /** @description Components that count: by day the Sun alone, and no Moon while it is more than 12° down. */
+            components: components["schemas"]["ComponentAnswer"][];
+            /**
+             * @description Faintest stars at the zenith and at eight azimuths in three elevations: Crumey 2014, F = 2, with all light there, less what
+             *     the air takes more than at the zenith.
+             */
+            limits: components["schemas"]["DirectionLimitAnswer"][];
+            milky_way?: components["schemas"]["MilkyWayContrast"] | null;
+            /** @description Stars that the naked eye sees, each against the sky of its own direction. */
+            stars: components["schemas"]["VisibleStars"];
+        };
         /** @description Where the observer is. */
         ObserverAnswer: {
             /**
@@ -1257,6 +1592,13 @@ export interface components {
              * @description Their part of `total`.
              */
             share: number;
+        };
+        /** @description A phase at its instant: new Moon, a quarter or full Moon. */
+        PhaseEvent: {
+            /** @description Which. */
+            phase: components["schemas"]["MoonPhase"];
+            /** @description When. */
+            utc: components["schemas"]["Instant"];
         };
         /** @description A named place. */
         PlaceAnswer: {
@@ -1412,6 +1754,16 @@ export interface components {
             /** @description Of a threshold plan: Q_a and Q_b, in the site's `unit`. */
             thresholds?: number[] | null;
         };
+        /**
+         * @description A planet.
+         * @enum {string}
+         */
+        Planet: "mercury" | "venus" | "mars" | "jupiter" | "saturn" | "uranus" | "neptune";
+        /** @description A planet. */
+        PlanetAnswer: components["schemas"]["BodyPlace"] & {
+            /** @description Which. */
+            planet: components["schemas"]["Planet"];
+        };
         /** @description What a plan says of a site. */
         PlannedSite: components["schemas"]["Assumptions"] & {
             /**
@@ -1463,8 +1815,8 @@ export interface components {
             type: string;
         };
         /**
-         * @description The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds a
-         *     uniform natural sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+         * @description The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
+         *     natural sky: that of the `time` asked for, or without one a uniform sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
          *     the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
          *     alone, and what speaks of stars is null.
          */
@@ -1511,7 +1863,7 @@ export interface components {
             naked_eye_limit_mag?: number | null;
             /**
              * Format: double
-             * @description Artificial luminance at the zenith over the natural one of a clear sky.
+             * @description Artificial luminance at the zenith over the natural one; under clouds over 22.0 mag arcsec⁻².
              */
             ratio_to_natural: number;
             seen?: components["schemas"]["ResponseQuantities"] | null;
@@ -1849,6 +2201,15 @@ export interface components {
             /** @description `N`, `NE`, … `NW`. */
             name: string;
         };
+        /** @description A place on WGS84. */
+        Site: {
+            /** Format: double */
+            altitude_m: number;
+            /** Format: double */
+            latitude_deg: number;
+            /** Format: double */
+            longitude_deg: number;
+        };
         /** @description What is at a place. */
         SiteAnswer: {
             /** @description West, south, east, north of the scene, degrees. */
@@ -1942,8 +2303,38 @@ export interface components {
         };
         /** @description The numbers alone. */
         SkyAnswer: components["schemas"]["Assumptions"] & {
+            night_sky?: components["schemas"]["NightSkyAnswer"] | null;
             /** @description The numbers. */
             sky: components["schemas"]["QuantitiesAnswer"];
+        };
+        /**
+         * @description A body that neither rises nor sets.
+         * @enum {string}
+         */
+        Stays: "above" | "below";
+        /** @description The Sun. */
+        SunAnswer: components["schemas"]["BodyPlace"] & {
+            /** @description Day, twilight or night. */
+            daylight: components["schemas"]["Daylight"];
+            /**
+             * Format: double
+             * @description Across its disc, degrees.
+             */
+            diameter_deg: number;
+        };
+        /** @description How the Sun goes through the night. */
+        SunEvents: {
+            /**
+             * Format: double
+             * @description True altitude then, degrees.
+             */
+            lowest_altitude_deg: number;
+            /** @description It is lowest. */
+            lowest_utc: components["schemas"]["Instant"];
+            rise_utc?: components["schemas"]["Instant"] | null;
+            set_utc?: components["schemas"]["Instant"] | null;
+            stays?: components["schemas"]["Stays"] | null;
+            transit_utc?: components["schemas"]["Instant"] | null;
         };
         /** @description What a site wanted of a target plan, and whether it has it. */
         TargetAnswer: {
@@ -2019,6 +2410,42 @@ export interface components {
             /** @description The scene's version. */
             version: string;
         };
+        /** @description A body on the meridian. */
+        Transit: {
+            /**
+             * Format: double
+             * @description True altitude, degrees.
+             */
+            altitude_deg: number;
+            /** @description When. */
+            utc: components["schemas"]["Instant"];
+        };
+        /** @description A twilight of a night. */
+        Twilight: {
+            evening_end_utc?: components["schemas"]["Instant"] | null;
+            /** @description Which. */
+            kind: components["schemas"]["TwilightKind"];
+            morning_begin_utc?: components["schemas"]["Instant"] | null;
+            sun_stays?: components["schemas"]["Stays"] | null;
+        };
+        /**
+         * @description A twilight.
+         * @enum {string}
+         */
+        TwilightKind: "civil" | "nautical" | "astronomical";
+        /** @description How many stars an eye sees of those that are above the horizon. */
+        VisibleStars: {
+            /**
+             * Format: int32
+             * @description Of the catalogue, to V = 6.5, above the horizontal plane.
+             */
+            above_horizon: number;
+            /**
+             * Format: int32
+             * @description Seen against the sky of their own direction.
+             */
+            visible: number;
+        };
         /** @description What a response sees at the zenith. */
         ZenithValue: {
             /**
@@ -2055,8 +2482,17 @@ export interface components {
 }
 export type Assumptions = components['schemas']['Assumptions'];
 export type AtmosphereAnswer = components['schemas']['AtmosphereAnswer'];
+export type BodiesAnswer = components['schemas']['BodiesAnswer'];
+export type BodyPlace = components['schemas']['BodyPlace'];
 export type BrushBody = components['schemas']['BrushBody'];
+export type Calendar = components['schemas']['Calendar'];
+export type CalendarDate = components['schemas']['CalendarDate'];
+export type CalendarNight = components['schemas']['CalendarNight'];
+export type Component = components['schemas']['Component'];
+export type ComponentAnswer = components['schemas']['ComponentAnswer'];
+export type Daylight = components['schemas']['Daylight'];
 export type DimmedPixelAnswer = components['schemas']['DimmedPixelAnswer'];
+export type DirectionLimitAnswer = components['schemas']['DirectionLimitAnswer'];
 export type EditAnswer = components['schemas']['EditAnswer'];
 export type EditBody = components['schemas']['EditBody'];
 export type EmissionAnswer = components['schemas']['EmissionAnswer'];
@@ -2069,22 +2505,33 @@ export type HealthAnswer = components['schemas']['HealthAnswer'];
 export type InfluenceAnswer = components['schemas']['InfluenceAnswer'];
 export type InfluenceBody = components['schemas']['InfluenceBody'];
 export type InfluentialPixel = components['schemas']['InfluentialPixel'];
+export type Instant = components['schemas']['Instant'];
+export type Interval = components['schemas']['Interval'];
 export type JobAnswer = components['schemas']['JobAnswer'];
 export type JobState = components['schemas']['JobState'];
 export type LampAnswer = components['schemas']['LampAnswer'];
 export type LampBody = components['schemas']['LampBody'];
 export type LevelBody = components['schemas']['LevelBody'];
 export type Light = components['schemas']['Light'];
+export type MilkyWayContrast = components['schemas']['MilkyWayContrast'];
 export type Mistake = components['schemas']['Mistake'];
+export type MoonAnswer = components['schemas']['MoonAnswer'];
+export type MoonEvents = components['schemas']['MoonEvents'];
+export type MoonPhase = components['schemas']['MoonPhase'];
+export type Night = components['schemas']['Night'];
+export type NightSkyAnswer = components['schemas']['NightSkyAnswer'];
 export type ObserverAnswer = components['schemas']['ObserverAnswer'];
 export type PanoramaAnswer = components['schemas']['PanoramaAnswer'];
 export type PanoramaGrid = components['schemas']['PanoramaGrid'];
 export type PartAnswer = components['schemas']['PartAnswer'];
+export type PhaseEvent = components['schemas']['PhaseEvent'];
 export type PlaceAnswer = components['schemas']['PlaceAnswer'];
 export type PlanAnswer = components['schemas']['PlanAnswer'];
 export type PlanBody = components['schemas']['PlanBody'];
 export type PlanEntry = components['schemas']['PlanEntry'];
 export type PlanFacts = components['schemas']['PlanFacts'];
+export type Planet = components['schemas']['Planet'];
+export type PlanetAnswer = components['schemas']['PlanetAnswer'];
 export type PlannedSite = components['schemas']['PlannedSite'];
 export type Problem = components['schemas']['Problem'];
 export type QuantitiesAnswer = components['schemas']['QuantitiesAnswer'];
@@ -2099,11 +2546,19 @@ export type SceneAnswer = components['schemas']['SceneAnswer'];
 export type SceneReference = components['schemas']['SceneReference'];
 export type SceneUpload = components['schemas']['SceneUpload'];
 export type SectorAnswer = components['schemas']['SectorAnswer'];
+export type Site = components['schemas']['Site'];
 export type SiteAnswer = components['schemas']['SiteAnswer'];
 export type SiteBody = components['schemas']['SiteBody'];
 export type SkyAnswer = components['schemas']['SkyAnswer'];
+export type Stays = components['schemas']['Stays'];
+export type SunAnswer = components['schemas']['SunAnswer'];
+export type SunEvents = components['schemas']['SunEvents'];
 export type TargetAnswer = components['schemas']['TargetAnswer'];
 export type TileJson = components['schemas']['TileJson'];
+export type Transit = components['schemas']['Transit'];
+export type Twilight = components['schemas']['Twilight'];
+export type TwilightKind = components['schemas']['TwilightKind'];
+export type VisibleStars = components['schemas']['VisibleStars'];
 export type ZenithValue = components['schemas']['ZenithValue'];
 export type $defs = Record<string, never>;
 export interface operations {
@@ -2365,6 +2820,128 @@ export interface operations {
             };
             /** @description It is not done; Retry-After says when to try again */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_night: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2100-12-30, such as 2026-08-20. */
+                date: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The night */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Night"];
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_nights: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description The month of the evenings. Allowed: a month from 1900-02 to 2100-11, such as 2026-08. */
+                month: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The month */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Calendar"];
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4972,8 +5549,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. Default: artificial. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. Default: equirectangular. */
@@ -4984,8 +5565,8 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. Default: false_colour. */
-                style?: "false_colour" | "realistic";
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. Default: false_colour. */
+                style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
                 /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
@@ -4994,7 +5575,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -5163,8 +5744,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
@@ -5309,8 +5894,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
             };
@@ -5443,8 +6032,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
@@ -5455,8 +6048,8 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
-                style?: "false_colour" | "realistic";
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
+                style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
                 /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
@@ -5465,7 +6058,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -5601,8 +6194,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
@@ -5765,8 +6362,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
                 /** @description Projection: fisheye is zenithal equidistant with north up and east left. Allowed: equirectangular, fisheye, perspective. */
@@ -5777,8 +6378,8 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, or realistic at a fixed exposure. Allowed: false_colour, realistic. */
-                style?: "false_colour" | "realistic";
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
+                style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
                 /** @description Unit of min and max: luminance in cd m⁻² (logarithmic) or magnitude in mag arcsec⁻². Allowed: luminance, magnitude. Default: luminance. */
@@ -5787,7 +6388,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic, stops; at 0 a sky of 0.001 cd m⁻² is middle grey. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
@@ -6509,8 +7110,12 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky of 22.0 mag arcsec⁻². Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
                 scenario?: string;
             };

@@ -102,15 +102,13 @@ impl NightSky {
         let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over) };
         let sun = maker.part(Component::Sun);
         let wanted = skipping.wanted(&heavens, sun.as_ref());
-        let others = wanted.into_par_iter().map(|component| (component, maker.part(component)));
-        let mut found: Vec<(Component, Option<SkyPart>)> = others.collect();
-        found.insert(0, (Component::Sun, sun));
-        let (mut components, mut parts) = (Vec::new(), Vec::new());
-        for (component, part) in found {
-            let Some(part) = part else { continue };
-            components.push(maker.component(component, &part));
-            parts.push(part);
-        }
+        let others = wanted.into_par_iter().filter_map(|component| {
+            let part = maker.part(component)?;
+            Some((maker.component(component, &part), part))
+        });
+        let others: Vec<(ComponentSky, SkyPart)> = others.collect();
+        let sun = sun.map(|part| (maker.component(Component::Sun, &part), part));
+        let (components, parts): (Vec<_>, Vec<_>) = sun.into_iter().chain(others).unzip();
         let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
         Ok(Self { heavens, components, parts, seen, transmittance })

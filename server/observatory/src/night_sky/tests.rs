@@ -105,7 +105,7 @@ fn ground_hides_the_natural_sky() {
 
 /// Stars are seen by the limit of their direction: thousands in the dark, none at noon, fewer near the horizon.
 #[test]
-fn stars_are_seen_by_the_limit_of_their_direction() {
+fn stars_are_seen_by_the_limit_where_they_are() {
     let open = Horizon::flat();
     let of = |utc: &str| {
         let sky = sky(utc, &open, Skipping::OfWhatDoesNotCount);
