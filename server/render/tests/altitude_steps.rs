@@ -11,7 +11,7 @@ use skyglow_tables::Scattering;
 use std::path::Path;
 
 /// A quarter of the way between two altitudes of the tables, where it is worst, a sky is the one that is mixed for its very altitude
-/// within 0.01 % in the mean and 0.05 % in 99 of 100 directions.
+/// within 0.01 % in the mean and 0.06 % in 99 of 100 directions.
 #[test]
 fn steps_of_altitude_cost_little() {
     let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
@@ -43,7 +43,7 @@ fn steps_of_altitude_cost_little() {
             println!(
                 "T = {turbidity}, {observer_altitude_m} m: mean {mean:.1e}, 99 % {p99:.1e}, worst {worst:.1e}"
             );
-            assert!(mean < 1e-4 && p99 < 5e-4, "{observer_altitude_m} m: {mean} {p99}");
+            assert!(mean < 1e-4 && p99 < 6e-4, "{observer_altitude_m} m: {mean} {p99}");
             // It is another sky: the check can fail.
             assert!(observer_altitude_m == 2.0 || worst > 1e-6);
         }
