@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(turbidities(&[3.0, 5.0]), [4.0]);
         let sky = &stored.skies(&[3.0, 5.0], &polar)[0];
         assert_eq!(sky.radiance_w_m2_sr.len(), sky.samples.len());
-        assert_eq!(sky.radiance_w_m2_sr[7][2], stored.radiance[7][5]);
+        assert_eq!(sky.radiance_w_m2_sr[7][2], stored.radiance[7][BAND_COUNT + 2]);
 
         let whole: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
         let folder = tempfile::tempdir().unwrap();
