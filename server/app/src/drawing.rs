@@ -36,7 +36,7 @@ pub fn draw(
     view: &PictureRequest,
     format: Format,
 ) -> Result<Vec<u8>, DrawingError> {
-    let total = sky.seen_with_night().filter(|_| view.options.sky == Sky::Total);
+    let total = (view.options.sky == Sky::Total).then(|| sky.seen_with_night()).flatten();
     let light = if total.is_some() { Sky::TotalOfInstant } else { view.options.sky };
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
@@ -62,10 +62,11 @@ pub fn draw(
 
 /// Stars, planets, Moon and Sun for a picture.
 fn bodies_of(night: &NightSky) -> SkyBodies {
-    let points = night
-        .points()
-        .into_iter()
-        .map(|point| PointLight { direction: point.direction, illuminance_lx: point.illuminance_lx });
+    let points = night.points().into_iter().map(|point| PointLight {
+        direction: point.direction,
+        illuminance_lx: point.illuminance_lx,
+        limit_mag: point.limit_mag,
+    });
     let discs = night.discs().into_iter().map(|disc| {
         let lit_cd_m2 = disc.lit_cd_m2();
         Disc {

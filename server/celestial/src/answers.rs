@@ -2,7 +2,7 @@
 
 use crate::{
     bodies::{Moon, PlanetSeen, Sun},
-    ephemeris::{AU_M, Planet, Topocentric, refraction_deg},
+    ephemeris::{AU_M, Planet, Topocentric},
     heavens::Heavens,
     night::TwilightKind,
     phase::MoonPhase,
@@ -10,6 +10,7 @@ use crate::{
     time::Instant,
 };
 use serde::Serialize;
+use skyglow_physics::beam::apparent_altitude_rad;
 
 /// Where a body is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -33,7 +34,8 @@ impl BodyPlace {
         Self {
             azimuth_deg: position.direction().azimuth_rad.to_degrees(),
             true_altitude_deg,
-            apparent_altitude_deg: true_altitude_deg + refraction_deg(true_altitude_deg, site.altitude_m()),
+            apparent_altitude_deg: apparent_altitude_rad(true_altitude_deg.to_radians(), site.altitude_m())
+                .to_degrees(),
             distance_km: position.distance_au() * AU_M / 1_000.0,
             magnitude_v,
         }

@@ -249,16 +249,6 @@ impl Positions {
     }
 }
 
-/// Degrees that a standard air lifts a body by from its true altitude, degrees, for an observer so high, m (Sæmundsson 1986, times the
-/// pressure there).
-pub fn refraction_deg(true_altitude_deg: f64, altitude_m: f64) -> f64 {
-    const SCALE_HEIGHT_M: f64 = 8_430.0;
-    // The formula turns back below; nothing is seen from there.
-    let altitude_deg = true_altitude_deg.max(-1.9);
-    let arcmin = 1.02 / (altitude_deg + 10.3 / (altitude_deg + 5.11)).to_radians().tan();
-    arcmin / 60.0 * (-altitude_m / SCALE_HEIGHT_M).exp()
-}
-
 /// Rows of SOFA as columns of glam.
 fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(&rows).transpose()

@@ -19,7 +19,7 @@ use skyglow_physics::{
     error::check_range,
     spectrum::{NODE_COUNT, nodes_nm},
 };
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// Solar radio flux at 10.7 cm, solar flux units, where none is given.
 pub const DEFAULT_SOLAR_FLUX_SFU: f64 = 100.0;
@@ -49,6 +49,8 @@ pub struct Heavens {
     sun: Sun,
     moon: Moon,
     planets: [PlanetSeen; 7],
+    /// Points of light of each component, found when they are asked for: stars are thousands.
+    points: [OnceLock<Vec<PointLight>>; Component::ALL.len()],
 }
 
 impl Heavens {
@@ -73,6 +75,7 @@ impl Heavens {
             sun,
             moon,
             planets: PlanetSeen::all(&positions),
+            points: Default::default(),
         })
     }
 
@@ -117,7 +120,11 @@ impl Heavens {
     }
 
     /// Points of light of a component, below the horizon too; none of extended ones.
-    pub fn points(&self, component: Component) -> Vec<PointLight> {
+    pub fn points(&self, component: Component) -> &[PointLight] {
+        self.points[component.index()].get_or_init(|| self.find_points(component))
+    }
+
+    fn find_points(&self, component: Component) -> Vec<PointLight> {
         let gray = |magnitude_v: f64, unit_v: f64| [10f64.powf(-0.4 * (magnitude_v - unit_v)); NODE_COUNT];
         match component {
             Component::Sun => vec![PointLight {

@@ -27,7 +27,7 @@ impl IrradianceGrid {
             irradiance: vec![0.0; NODE_COUNT * zenith_angles_rad.len() * AZIMUTH_COUNT],
         };
         for point in heavens.points(component) {
-            grid.add_point(&point);
+            grid.add_point(point);
         }
         if component.is_extended() {
             for row in 0..zenith_angles_rad.len() {

@@ -1,6 +1,6 @@
 //! The faintest star that an eye sees, by direction, and how many it sees (Crumey 2014, eqs. 47 to 53, by `physics`).
 
-use crate::{ephemeris::direction_of, heavens::Heavens, stars};
+use crate::{components::Component, heavens::Heavens};
 use serde::Serialize;
 use skyglow_physics::{
     Direction,
@@ -57,11 +57,11 @@ pub fn visible_stars(
     extinction_mag: impl Fn(Direction) -> f64,
 ) -> VisibleStars {
     let mut count = VisibleStars { visible: 0, above_horizon: 0 };
-    for (star, enu) in stars::directions(heavens.positions()).filter(|(_, enu)| enu.z > 0.0) {
+    let stars = heavens.points(Component::Stars);
+    for star in stars.iter().filter(|star| star.direction.elevation_rad > 0.0) {
         count.above_horizon += 1;
-        let direction = direction_of(enu);
-        let arrives_mag = star.magnitude_v + extinction_mag(direction);
-        count.visible += u32::from(arrives_mag <= eye.limit_mag(background_cd_m2(direction)));
+        let arrives_mag = star.magnitude_v + extinction_mag(star.direction);
+        count.visible += u32::from(arrives_mag <= eye.limit_mag(background_cd_m2(star.direction)));
     }
     count
 }

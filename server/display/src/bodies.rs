@@ -1,11 +1,8 @@
 //! Stars, planets and the Moon in a picture: points blurred by the eye, drawn where it sees them (Crumey 2014), and discs at their true
 //! size with their phase.
 
-use crate::{eye::Seen, projection::View, sampler::Sampler};
-use skyglow_physics::{
-    Direction, Horizon,
-    photometry::{ILLUMINANCE_OF_0_MAG_LX, naked_eye_limit_mag},
-};
+use crate::{eye::Seen, projection::View};
+use skyglow_physics::{Direction, Horizon, photometry::naked_eye_limit_mag};
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
 const EYE_BLUR_RAD: f64 = 1.1e-3;
@@ -32,6 +29,8 @@ pub struct PointLight {
     pub direction: Direction,
     /// X, Y, Z and scotopic illuminance of a surface that faces it, lx.
     pub illuminance_lx: Seen,
+    /// V that the naked eye's limit on the sky behind it is compared with.
+    pub limit_mag: f64,
 }
 
 /// A disc, of which a part may be dark.
@@ -61,7 +60,7 @@ impl BodyRows {
         view: &View,
         (width_px, height_px): (u32, u32),
         horizon: &Horizon,
-        background: &Sampler<'_, 4>,
+        background_cd_m2: impl Fn(Direction) -> Option<f64>,
     ) -> Self {
         let mut rows = Self(vec![Vec::new(); height_px as usize]);
         let size_px = (f64::from(width_px), f64::from(height_px));
@@ -69,8 +68,9 @@ impl BodyRows {
             rows.add_disc(disc, view, size_px, horizon);
         }
         for point in &bodies.points {
-            let Some(behind) = background.values(point.direction) else { continue };
-            if !horizon.hides(point.direction) && is_visible(point, behind) {
+            let Some(behind_cd_m2) = background_cd_m2(point.direction) else { continue };
+            let is_seen = point.limit_mag <= naked_eye_limit_mag(behind_cd_m2);
+            if is_seen && !horizon.hides(point.direction) {
                 rows.add_point(point, view, size_px);
             }
         }
@@ -168,12 +168,6 @@ impl Disc {
     }
 }
 
-/// Whether the naked eye sees a star on the sky behind it.
-fn is_visible(point: &PointLight, behind: Seen) -> bool {
-    let limit_lx = ILLUMINANCE_OF_0_MAG_LX * 10f64.powf(-0.4 * naked_eye_limit_mag(behind[1]));
-    point.illuminance_lx[1] >= limit_lx
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,8 +179,12 @@ mod tests {
     }
 
     fn star(magnitude: f64, direction: Direction) -> PointLight {
-        let lux = ILLUMINANCE_OF_0_MAG_LX * 10f64.powf(-0.4 * magnitude);
-        PointLight { direction, illuminance_lx: [0.95 * lux, lux, 1.09 * lux, 2.3 * lux] }
+        let lux = 2.54e-6 * 10f64.powf(-0.4 * magnitude);
+        PointLight {
+            direction,
+            illuminance_lx: [0.95 * lux, lux, 1.09 * lux, 2.3 * lux],
+            limit_mag: magnitude,
+        }
     }
 
     fn seen(bodies: &SkyBodies, luminance_cd_m2: f64, projection: Projection) -> image::RgbImage {

@@ -23,6 +23,7 @@ pub mod ground;
 pub mod legend;
 pub mod notes;
 pub mod options;
+mod painter;
 mod panels;
 pub mod picture;
 pub mod projection;

@@ -3,129 +3,21 @@
 use crate::{
     bodies::{BodyRows, SkyBodies},
     colormap::TABLE_LEN,
-    colour_bins::ColourBins,
     error::DisplayError,
-    eye::{Eye, Seen},
-    ground::{DARK_TERRAIN_RGB, GroundMap, Shown, TERRAIN_RGB, without_ground},
+    eye::Seen,
+    ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
-    options::{PictureOptions, Projection, Style},
+    options::{PictureOptions, Projection},
+    painter::Painter,
     panels::{Columns, Row},
     projection::View,
-    realistic::ToneMap,
-    sampler::{Sampler, taps},
 };
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
-use skyglow_physics::{Direction, Horizon, Response, SKY_RESPONSES, SeenSky};
+use skyglow_physics::{Horizon, Response, SeenSky};
 
 /// What is neither sky nor ground that hides it: below an open horizon, the corners of a fisheye, the legend's strip.
 pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
-
-/// Colours a sky.
-enum Painter<'a> {
-    FalseColour {
-        luminance_cd_m2: Vec<f64>,
-        table: Box<[[u8; 3]; TABLE_LEN]>,
-        bins: Box<ColourBins>,
-        ends_cd_m2: (f64, f64),
-    },
-    Eye {
-        sampler: Sampler<'a, 4>,
-        /// Linear sRGB that the eye makes of every sample of the grid: between them colours are interpolated.
-        linear: Vec<[f32; 3]>,
-        eye: Box<Eye>,
-    },
-    Realistic {
-        sampler: Sampler<'a>,
-        tone_map: Box<ToneMap>,
-    },
-}
-
-impl<'a> Painter<'a> {
-    fn new(seen: &'a SeenSky, response: &Response, options: &PictureOptions) -> Result<Self, DisplayError> {
-        let plane =
-            |of: &Response| seen.seen_by(of).ok_or_else(|| DisplayError::NotSeen { response: of.name() });
-        Ok(match options.style {
-            Style::FalseColour { colormap, range } => {
-                let added = options.sky.added(response);
-                let (dark, bright) = range.luminance_ends_cd_m2();
-                Painter::FalseColour {
-                    luminance_cd_m2: plane(response)?.iter().map(|value| f64::from(*value) + added).collect(),
-                    table: Box::new(colormap.table()),
-                    // With room for rounding: the ends themselves are inside.
-                    ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
-                    bins: Box::new(ColourBins::new((dark, bright))),
-                }
-            }
-            Style::Eye { exposure_ev } => {
-                let [x, y, z, scotopic] = SKY_RESPONSES.each_ref().map(plane);
-                let planes = [x?, y?, z?, scotopic?];
-                let added = SKY_RESPONSES.each_ref().map(|response| options.sky.added(response));
-                let eye = Box::new(Eye::new(exposure_ev));
-                let of_sample = |at: usize| -> [f32; 3] {
-                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + added[i]);
-                    eye.linear(seen).map(|channel| channel as f32)
-                };
-                let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
-                Painter::Eye { sampler: Sampler::new(planes, added), linear, eye }
-            }
-            Style::Realistic { exposure_ev } => {
-                let [x, y, z, _] = &SKY_RESPONSES;
-                let xyz = [x, y, z];
-                Painter::Realistic {
-                    sampler: Sampler::new(
-                        [plane(x)?, plane(y)?, plane(z)?],
-                        xyz.map(|response| options.sky.added(response)),
-                    ),
-                    tone_map: Box::new(ToneMap::new(exposure_ev)),
-                }
-            }
-        })
-    }
-
-    /// The colour of a direction; notes in `beyond` what the colours cannot tell apart from their ends.
-    fn rgb(&self, direction: Direction, beyond: &mut Beyond) -> Option<[u8; 3]> {
-        match self {
-            Painter::FalseColour { luminance_cd_m2, table, bins, ends_cd_m2 } => {
-                let taps = taps(direction)?;
-                let luminance: f64 =
-                    (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
-                beyond.note(luminance, *ends_cd_m2);
-                Some(table[bins.entry(luminance)])
-            }
-            Painter::Eye { linear, eye, .. } => {
-                let taps = taps(direction)?;
-                let [a, b, c, d] = taps.offset.map(|at| linear[at]);
-                let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);
-                let channel = |i: usize| of_a * a[i] + of_b * b[i] + of_c * c[i] + of_d * d[i];
-                Some(eye.encoded(std::array::from_fn(|i| f64::from(channel(i)))))
-            }
-            Painter::Realistic { sampler, tone_map } => {
-                sampler.values(direction).map(|xyz_cd_m2| tone_map.rgb(xyz_cd_m2))
-            }
-        }
-    }
-
-    /// The colour of a direction with the light of a body before it.
-    fn rgb_with(&self, direction: Direction, body: Seen) -> Option<[u8; 3]> {
-        match self {
-            Painter::Eye { sampler, eye, .. } => {
-                let sky = sampler.values(direction)?;
-                Some(eye.encoded(eye.linear(std::array::from_fn(|i| sky[i] + body[i]))))
-            }
-            Painter::Realistic { sampler, tone_map } => {
-                let sky = sampler.values(direction)?;
-                Some(tone_map.rgb(std::array::from_fn(|i| sky[i] + body[i])))
-            }
-            Painter::FalseColour { .. } => None,
-        }
-    }
-
-    /// The colour of ground that hides the sky.
-    fn terrain_rgb(&self) -> [u8; 3] {
-        if matches!(self, Painter::Eye { .. }) { DARK_TERRAIN_RGB } else { TERRAIN_RGB }
-    }
-}
 
 /// The picture of a sky as a response sees it, or the light-adapted eye in realistic colours: `options.width_px` × `options.height_px` of sky, with the legend's strip below
 /// it where one is asked for (the canvas is then at least [`legend::MIN_WIDTH_PX`] wide). Below `horizon` the
@@ -204,25 +96,13 @@ pub fn picture_with(
             }
         }
     } else {
-        let background = match &painter {
-            Painter::FalseColour { .. } => None,
-            Painter::Eye { sampler, .. } => Some(*sampler),
-            Painter::Realistic { .. } => {
-                let planes =
-                    SKY_RESPONSES.each_ref().map(|response| seen.seen_by(response).unwrap_or_default());
-                Some(Sampler::new(
-                    planes,
-                    SKY_RESPONSES.each_ref().map(|response| options.sky.added(response)),
-                ))
-            }
-        };
         let size_px = (options.width_px, options.height_px);
-        let bodies = background.map(|background| BodyRows::new(bodies, &view, size_px, horizon, &background));
-        let row_of = |y: usize| bodies.as_ref().map_or(&[][..], |bodies| bodies.row(y));
+        let background = |direction| painter.background_cd_m2(direction);
+        let bodies = BodyRows::new(bodies, &view, size_px, horizon, background);
+        let row_of = |y: usize| bodies.row(y);
         paint_each(&mut canvas, (offset_px, options), &view, &painter, row_of, &mut ground, &mut beyond);
     }
-    // By night the ground ends where the stars do.
-    if !matches!(painter, Painter::Eye { .. }) {
+    if painter.has_skyline() {
         ground.draw_skyline(&mut canvas, offset_px);
     }
     if options.legend {
@@ -257,10 +137,8 @@ fn paint_each<'b>(
                 *pixel = painter.terrain_rgb();
                 continue;
             }
-            let rgb = direction.and_then(|direction| match body {
-                Some((_, light)) => painter.rgb_with(direction, *light),
-                None => painter.rgb(direction, &mut beyond),
-            });
+            let body = body.map(|(_, light)| light);
+            let rgb = direction.and_then(|direction| painter.rgb(direction, body, &mut beyond));
             *pixel = rgb.unwrap_or(*pixel);
         }
         (all_shown, beyond)
@@ -295,7 +173,7 @@ pub fn canvas_size_px(options: &PictureOptions) -> (u32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Colormap, ColourRange, Projection, Scale, Sky, fixtures::grey_sky};
+    use crate::{Colormap, ColourRange, Projection, Scale, Sky, Style, fixtures::grey_sky};
     use skyglow_physics::AZIMUTH_COUNT;
 
     /// Dark but for one bright sample.

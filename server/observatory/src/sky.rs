@@ -148,12 +148,15 @@ impl RenderedSky {
         self.seen.seen_by(&self.response).unwrap_or_default()
     }
 
-    /// Bytes of its samples.
+    /// Bytes of its samples and points.
     pub fn byte_count(&self) -> usize {
         let of = |parts: &[SkyPart], seen: &SeenSky| {
             4 * (parts.len() * Panorama::LEN + seen.responses().len() * Panorama::LEN / BAND_COUNT)
         };
-        let night = self.night.as_ref().map_or(0, |night| of(night.parts(), night.seen()));
+        let night = self
+            .night
+            .as_ref()
+            .map_or(0, |night| of(night.parts(), night.seen()) + night.points_byte_count());
         of(&self.parts, &self.seen) + night
     }
 

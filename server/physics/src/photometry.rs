@@ -4,8 +4,6 @@ use crate::bands::{BAND_COUNT, Band};
 
 /// Zero point of surface brightness: luminance of 0 mag arcsec⁻², cd m⁻².
 pub const ZERO_POINT_CD_M2: f64 = 1.08e5;
-/// Illuminance by a star of magnitude 0 in V, lx.
-pub const ILLUMINANCE_OF_0_MAG_LX: f64 = 2.54e-6;
 /// Surface brightness of the natural sky, mag arcsec⁻².
 pub const NATURAL_SKY_MAG_ARCSEC2: f64 = 22.0;
 

@@ -39,6 +39,16 @@ pub fn precompute(
     Ok(paths.remove(0))
 }
 
+/// The turbidities in ascending order, each once, when files can be named by them and written.
+pub(crate) fn ascending(turbidities: &[Turbidity], out: &Path) -> Result<Vec<Turbidity>, TablesError> {
+    let mut turbidities = turbidities.to_vec();
+    turbidities.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    turbidities.dedup();
+    check_decimals(&turbidities)?;
+    std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
+    Ok(turbidities)
+}
+
 /// Makes packs of several turbidities (in place of the one in `options`; repetitions count once) and returns
 /// their paths in ascending order. The same packs as one by one, in much less time: their images share all geometry.
 ///
@@ -50,11 +60,7 @@ pub fn precompute_together(
     out: &Path,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>, TablesError> {
-    let mut turbidities = turbidities.to_vec();
-    turbidities.sort_by(|a, b| a.value().total_cmp(&b.value()));
-    turbidities.dedup();
-    check_decimals(&turbidities)?;
-    std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
+    let turbidities = ascending(turbidities, out)?;
     let atmospheres: Vec<Atmosphere> = turbidities.iter().map(|&t| options.atmosphere(t)).collect();
     let parameters: Vec<PackParameters> = turbidities.iter().map(|&t| options.parameters(t)).collect();
     let checkpoints: Vec<Checkpoint> =

@@ -62,7 +62,7 @@ pub enum Light {
 impl PanoramaAnswer {
     /// The answer for a rendered sky.
     pub fn new(assumptions: Assumptions, sky: &RenderedSky, light: Sky) -> Self {
-        let night = sky.seen_with_night().filter(|_| light == Sky::Total);
+        let night = (light == Sky::Total).then(|| sky.seen_with_night()).flatten();
         let bands = sky.seen_by(&RGB_BANDS, night.is_some());
         let values = night.as_ref().and_then(|night| night.seen_by(&sky.response)).unwrap_or(sky.values());
         let light = if night.is_some() { Sky::TotalOfInstant } else { light };

@@ -1,17 +1,19 @@
 //! Stars, planets, Moon and Sun as they stand before the sky: where refraction lifts them, and what the air lets through.
 
-use super::NightSky;
-use skyglow_celestial::{Component, PointLight, ephemeris::refraction_deg};
-use skyglow_physics::{BAND_COUNT, Direction, ELEVATION_COUNT, SKY_RESPONSES};
-use std::f64::consts::{FRAC_PI_2, PI};
+use super::{NightSky, ThroughAir, limits::nearest_sample};
+use skyglow_celestial::Component;
+use skyglow_physics::{Direction, SKY_RESPONSES};
+use std::f64::consts::PI;
 
 /// A star or planet as it is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenPoint {
-    /// Where, refraction included; above the horizontal plane.
+    /// Where, refraction included; above the horizon.
     pub direction: Direction,
     /// Illuminance across its beam through the air, lx, by [`SKY_RESPONSES`].
     pub illuminance_lx: [f64; SKY_RESPONSES.len()],
+    /// V that the naked eye's limit is compared with: outside the air, and what the air takes more than at the zenith.
+    pub limit_mag: f64,
 }
 
 /// Moon or Sun as it is seen.
@@ -39,17 +41,12 @@ impl SeenDisc {
 }
 
 impl NightSky {
-    /// Stars and planets above the horizontal plane; none while their light does not count.
+    /// Stars and planets above the horizon; no stars while their light does not count.
     pub fn points(&self) -> Vec<SeenPoint> {
-        let counts = |component: &Component| self.components().iter().any(|sky| sky.component == *component);
-        let [planets, stars] = [Component::Planets, Component::Stars].map(|component| {
-            let counts = component == Component::Planets || counts(&component);
-            if counts { self.seen_points(component) } else { Vec::new() }
-        });
-        [planets, stars].concat()
+        [Component::Planets, Component::Stars].map(|component| self.seen_points(component)).concat()
     }
 
-    /// Moon and Sun where they stand above the horizontal plane.
+    /// Moon and Sun where they stand above the horizon.
     pub fn discs(&self) -> Vec<SeenDisc> {
         let (sun, moon) = (self.heavens().sun(), self.heavens().moon());
         let point = |component: Component| self.seen_points(component).first().copied();
@@ -73,42 +70,24 @@ impl NightSky {
         of_moon.into_iter().chain(of_sun).collect()
     }
 
-    /// Points of a component above the horizontal plane.
+    /// Points of a component above the horizon.
     fn seen_points(&self, component: Component) -> Vec<SeenPoint> {
         let rules = SKY_RESPONSES.each_ref().map(|response| component.light().rule(response));
-        let seen = |point: &PointLight| {
-            let (direction, through) = self.through(point)?;
-            let illuminance_lx = rules.each_ref().map(|rule| rule.value(through));
-            Some(SeenPoint { direction, illuminance_lx })
+        let seen = |point: &ThroughAir| SeenPoint {
+            direction: point.direction,
+            illuminance_lx: rules.each_ref().map(|rule| rule.value(point.irradiance)),
+            limit_mag: point.magnitude_v + self.more_extinction_mag(nearest_sample(point.direction).0),
         };
-        self.heavens().points(component).iter().filter_map(seen).collect()
-    }
-
-    /// Where a point is seen, and its irradiance there at the nodes; None below the horizontal plane.
-    fn through(&self, point: &PointLight) -> Option<(Direction, [f64; BAND_COUNT])> {
-        let true_deg = point.direction.elevation_rad.to_degrees();
-        let elevation_rad =
-            (true_deg + refraction_deg(true_deg, self.heavens().site().altitude_m())).to_radians();
-        if elevation_rad < 0.0 {
-            return None;
-        }
-        let row = (elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64 - 0.5)
-            .clamp(0.0, ELEVATION_COUNT as f64 - 1.0);
-        let (low, part) = (row as usize, row.fract());
-        let high = (low + 1).min(ELEVATION_COUNT - 1);
-        let through = std::array::from_fn(|band| {
-            let at = |row: usize| self.transmittance[row][band];
-            point.irradiance[band] * (at(low) + part * (at(high) - at(low)))
-        });
-        Some((Direction { elevation_rad, ..point.direction }, through))
+        self.points[component.index()].iter().map(seen).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::nearest_sample;
     use crate::night_sky::{skipping::Skipping, tests::sky};
     use skyglow_celestial::Component;
-    use skyglow_physics::Horizon;
+    use skyglow_physics::{AZIMUTH_COUNT, Horizon, photometry::naked_eye_limit_mag};
 
     /// By night there are stars above the horizon, brighter high up than their catalogue says of the air; by day there are none, and the
     /// Sun is a disc of half a degree.
@@ -124,6 +103,14 @@ mod tests {
         let above = outside.iter().filter(|point| point.direction.elevation_rad > 0.0);
         let catalogue = brightest(&mut above.map(|point| 2.54e-6 * 10f64.powf(-0.4 * point.magnitude_v)));
         assert!(seen > 0.3 * catalogue && seen < 3.0 * catalogue, "{seen} {catalogue}");
+        // A picture shows as many as are counted; refraction lifts a few over the horizon.
+        let total_cd_m2 = night.seen().plane(1);
+        let shown = night.seen_points(Component::Stars).into_iter().filter(|star| {
+            let (row, column) = nearest_sample(star.direction);
+            star.limit_mag <= naked_eye_limit_mag(f64::from(total_cd_m2[row * AZIMUTH_COUNT + column]))
+        });
+        let counted = night.seen_stars(total_cd_m2, &Horizon::flat()).count.visible as usize;
+        assert!(shown.count().abs_diff(counted) < counted / 50, "{counted}");
         // Planets alone are left by day.
         assert!(day.points().len() <= 7);
         let sun = day.discs().pop().unwrap();

@@ -40,7 +40,7 @@ pub struct SeenStars {
 }
 
 /// Row and column of the sample nearest to a direction above the horizon.
-fn nearest_sample(direction: Direction) -> (usize, usize) {
+pub(super) fn nearest_sample(direction: Direction) -> (usize, usize) {
     let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64) as usize;
     let column = (direction.azimuth_rad / TAU * AZIMUTH_COUNT as f64).round() as usize;
     (row.min(ELEVATION_COUNT - 1), column % AZIMUTH_COUNT)
@@ -53,7 +53,7 @@ impl NightSky {
     }
 
     /// Of these the ones that it takes more than at the zenith, which the limits of Crumey are for.
-    fn more_extinction_mag(&self, row: usize) -> f64 {
+    pub(super) fn more_extinction_mag(&self, row: usize) -> f64 {
         self.extinction_mag(row) - self.extinction_mag(ELEVATION_COUNT - 1)
     }
 

@@ -13,12 +13,11 @@ use crate::error::ObservatoryError;
 use rayon::prelude::*;
 use serde::Serialize;
 use skipping::Skipping;
-use skyglow_celestial::{
-    Component, Heavens, Instant, IrradianceGrid, PointLight, Site, ephemeris::refraction_deg,
-};
+use skyglow_celestial::{Component, Heavens, Instant, IrradianceGrid, PointLight, Site};
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, Response, SeenSky,
     SkyPart, Turbidity,
+    beam::apparent_altitude_rad,
     panorama::{azimuth_rad, elevation_rad},
 };
 use skyglow_render::celestial::{BeamGrid, CelestialTables};
@@ -70,6 +69,8 @@ pub struct NightSky {
     /// One for each component.
     parts: Vec<SkyPart>,
     seen: SeenSky,
+    /// Points that stand above the horizon, by the place of their component; none of stars that do not count.
+    points: [Vec<ThroughAir>; Component::ALL.len()],
     /// Share that comes through the air at every row of the panorama.
     transmittance: [[f64; BAND_COUNT]; ELEVATION_COUNT],
 }
@@ -102,16 +103,24 @@ impl NightSky {
         let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over) };
         let sun = maker.part(Component::Sun);
         let wanted = skipping.wanted(&heavens, sun.as_ref());
+        let points = Component::ALL.map(|component| {
+            let counts = component != Component::Stars || wanted.contains(&component);
+            let points = if counts { heavens.points(component) } else { &[] };
+            points.iter().filter_map(|point| maker.through(point)).collect::<Vec<_>>()
+        });
+        let numbers = |component: Component, part: &SkyPart| {
+            maker.component(component, part, &points[component.index()])
+        };
         let others = wanted.into_par_iter().filter_map(|component| {
             let part = maker.part(component)?;
-            Some((maker.component(component, &part), part))
+            Some((numbers(component, &part), part))
         });
         let others: Vec<(ComponentSky, SkyPart)> = others.collect();
-        let sun = sun.map(|part| (maker.component(Component::Sun, &part), part));
+        let sun = sun.map(|part| (numbers(Component::Sun, &part), part));
         let (components, parts): (Vec<_>, Vec<_>) = sun.into_iter().chain(others).unzip();
         let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
-        Ok(Self { heavens, components, parts, seen, transmittance })
+        Ok(Self { heavens, components, parts, seen, points, transmittance })
     }
 
     /// What shines outside the air.
@@ -129,6 +138,11 @@ impl NightSky {
         &self.parts
     }
 
+    /// Bytes of its points.
+    pub(crate) fn points_byte_count(&self) -> usize {
+        self.points.iter().map(|points| size_of_val(points.as_slice())).sum()
+    }
+
     /// What the responses that it was made for see of all of them.
     pub fn seen(&self) -> &SeenSky {
         &self.seen
@@ -137,6 +151,17 @@ impl NightSky {
 
 /// The band that stands for V.
 const V_BAND: usize = skyglow_physics::Band::MIDDLE.index();
+
+/// A point of light as it comes through the air.
+#[derive(Clone, Copy, Debug)]
+struct ThroughAir {
+    /// Where it is seen, refraction included.
+    direction: Direction,
+    /// V outside the air.
+    magnitude_v: f64,
+    /// Across the beam at every node, in the unit of its component.
+    irradiance: [f64; BAND_COUNT],
+}
 
 /// What a row of the panorama looks through.
 #[derive(Clone, Copy)]
@@ -149,7 +174,9 @@ struct Look {
 fn looks(tables: &CelestialTables, over: &Overhead<'_>) -> [Look; ELEVATION_COUNT] {
     std::array::from_fn(|row| {
         let seen_deg = elevation_rad(row).to_degrees();
-        let lift = |true_deg: f64| refraction_deg(true_deg, over.altitude_m);
+        let lift = |true_deg: f64| {
+            apparent_altitude_rad(true_deg.to_radians(), over.altitude_m).to_degrees() - true_deg
+        };
         let lift_deg = lift(seen_deg - lift(seen_deg));
         let true_elevation_rad = (seen_deg - lift_deg).to_radians();
         let zenith_rad = FRAC_PI_2 - true_elevation_rad;
@@ -237,12 +264,12 @@ impl Maker<'_> {
         }
     }
 
-    fn component(&self, component: Component, part: &SkyPart) -> ComponentSky {
+    fn component(&self, component: Component, part: &SkyPart, points: &[ThroughAir]) -> ComponentSky {
         let [zenith, mean] = part.zenith_and_mean(&Response::Photopic, self.over.horizon);
         let rule = component.light().rule(&Response::Photopic);
         let mut direct = [0.0; BAND_COUNT];
-        for kernel in self.heavens.points(component).iter().filter_map(|point| self.through(point)) {
-            direct.iter_mut().zip(kernel).for_each(|(sum, value)| *sum += value);
+        for point in points {
+            direct.iter_mut().zip(point.irradiance).for_each(|(sum, value)| *sum += value);
         }
         ComponentSky {
             component,
@@ -252,17 +279,17 @@ impl Maker<'_> {
         }
     }
 
-    /// Irradiance of a point through the air; None below the horizon.
-    fn through(&self, point: &PointLight) -> Option<[f64; BAND_COUNT]> {
-        let true_deg = point.direction.elevation_rad.to_degrees();
-        let seen_rad = (true_deg + refraction_deg(true_deg, self.over.altitude_m)).to_radians();
-        let seen = Direction { elevation_rad: seen_rad, ..point.direction };
-        if seen_rad < 0.0 || self.over.horizon.hides(seen) {
+    /// A point as it comes through the air; None below the horizon.
+    fn through(&self, point: &PointLight) -> Option<ThroughAir> {
+        let elevation_rad = apparent_altitude_rad(point.direction.elevation_rad, self.over.altitude_m);
+        let direction = Direction { elevation_rad, ..point.direction };
+        if elevation_rad < 0.0 || self.over.horizon.hides(direction) {
             return None;
         }
         let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
         let through = self.tables.transmittance(self.over.turbidity, zenith_rad, self.over.altitude_m);
-        Some(std::array::from_fn(|band| through[band] * point.irradiance[band]))
+        let irradiance = std::array::from_fn(|band| through[band] * point.irradiance[band]);
+        Some(ThroughAir { direction, magnitude_v: point.magnitude_v, irradiance })
     }
 }
 

@@ -49,11 +49,7 @@ pub fn precompute_celestial(
     out: &Path,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>, TablesError> {
-    let mut turbidities = turbidities.to_vec();
-    turbidities.sort_by(|a, b| a.value().total_cmp(&b.value()));
-    turbidities.dedup();
-    crate::precompute::check_decimals(&turbidities)?;
-    std::fs::create_dir_all(out).map_err(TablesError::io(out))?;
+    let turbidities = crate::precompute::ascending(turbidities, out)?;
     progress.begin("skies of beams", turbidities.len() as u64);
     turbidities
         .into_iter()

@@ -1,0 +1,141 @@
+//! From light to the colours of a style.
+
+use crate::{
+    colormap::TABLE_LEN,
+    colour_bins::ColourBins,
+    error::DisplayError,
+    eye::{Eye, Seen},
+    ground::{DARK_TERRAIN_RGB, TERRAIN_RGB},
+    legend::Beyond,
+    options::{PictureOptions, Style},
+    realistic::ToneMap,
+    sampler::{Sampler, taps},
+};
+use rayon::prelude::*;
+use skyglow_physics::{Direction, Response, SKY_RESPONSES, SeenSky};
+
+/// Colours a sky.
+pub(crate) enum Painter<'a> {
+    FalseColour {
+        luminance_cd_m2: Vec<f64>,
+        table: Box<[[u8; 3]; TABLE_LEN]>,
+        bins: Box<ColourBins>,
+        ends_cd_m2: (f64, f64),
+    },
+    Eye {
+        sampler: Sampler<'a, 4>,
+        /// Linear sRGB that the eye makes of every sample of the grid: between them colours are interpolated.
+        linear: Vec<[f32; 3]>,
+        eye: Box<Eye>,
+    },
+    Realistic {
+        sampler: Sampler<'a>,
+        tone_map: Box<ToneMap>,
+    },
+}
+
+impl<'a> Painter<'a> {
+    pub(crate) fn new(
+        seen: &'a SeenSky,
+        response: &Response,
+        options: &PictureOptions,
+    ) -> Result<Self, DisplayError> {
+        let plane =
+            |of: &Response| seen.seen_by(of).ok_or_else(|| DisplayError::NotSeen { response: of.name() });
+        Ok(match options.style {
+            Style::FalseColour { colormap, range } => {
+                let added = options.sky.added(response);
+                let (dark, bright) = range.luminance_ends_cd_m2();
+                Painter::FalseColour {
+                    luminance_cd_m2: plane(response)?.iter().map(|value| f64::from(*value) + added).collect(),
+                    table: Box::new(colormap.table()),
+                    // With room for rounding: the ends themselves are inside.
+                    ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
+                    bins: Box::new(ColourBins::new((dark, bright))),
+                }
+            }
+            Style::Eye { exposure_ev } => {
+                let [x, y, z, scotopic] = SKY_RESPONSES.each_ref().map(plane);
+                let planes = [x?, y?, z?, scotopic?];
+                let added = SKY_RESPONSES.each_ref().map(|response| options.sky.added(response));
+                let eye = Box::new(Eye::new(exposure_ev));
+                let of_sample = |at: usize| -> [f32; 3] {
+                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + added[i]);
+                    eye.linear(seen).map(|channel| channel as f32)
+                };
+                let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
+                Painter::Eye { sampler: Sampler::new(planes, added), linear, eye }
+            }
+            Style::Realistic { exposure_ev } => {
+                let [x, y, z, _] = &SKY_RESPONSES;
+                let xyz = [x, y, z];
+                Painter::Realistic {
+                    sampler: Sampler::new(
+                        [plane(x)?, plane(y)?, plane(z)?],
+                        xyz.map(|response| options.sky.added(response)),
+                    ),
+                    tone_map: Box::new(ToneMap::new(exposure_ev)),
+                }
+            }
+        })
+    }
+
+    /// The colour of a direction, in colours of light with that of a body before it; notes in `beyond` what false colours cannot tell
+    /// apart from their ends.
+    pub(crate) fn rgb(
+        &self,
+        direction: Direction,
+        body: Option<&Seen>,
+        beyond: &mut Beyond,
+    ) -> Option<[u8; 3]> {
+        match self {
+            Painter::FalseColour { luminance_cd_m2, table, bins, ends_cd_m2 } => {
+                let taps = taps(direction)?;
+                let luminance: f64 =
+                    (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
+                beyond.note(luminance, *ends_cd_m2);
+                Some(table[bins.entry(luminance)])
+            }
+            Painter::Eye { sampler, linear, eye } => {
+                if let Some(body) = body {
+                    let sky = sampler.values(direction)?;
+                    return Some(eye.encoded(eye.linear(std::array::from_fn(|i| sky[i] + body[i]))));
+                }
+                let taps = taps(direction)?;
+                let [a, b, c, d] = taps.offset.map(|at| linear[at]);
+                let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);
+                let channel = |i: usize| of_a * a[i] + of_b * b[i] + of_c * c[i] + of_d * d[i];
+                Some(eye.encoded(std::array::from_fn(|i| f64::from(channel(i)))))
+            }
+            Painter::Realistic { sampler, tone_map } => {
+                let mut xyz_cd_m2 = sampler.values(direction)?;
+                if let Some(body) = body {
+                    xyz_cd_m2.iter_mut().zip(body).for_each(|(sum, body)| *sum += body);
+                }
+                Some(tone_map.rgb(xyz_cd_m2))
+            }
+        }
+    }
+
+    /// Luminance of the sky in a direction, cd m⁻², that stars are seen on; None below the horizon, and in false colours, which show
+    /// no stars.
+    pub(crate) fn background_cd_m2(&self, direction: Direction) -> Option<f64> {
+        match self {
+            Painter::FalseColour { .. } => None,
+            Painter::Eye { sampler, .. } => sampler.values(direction).map(|[_, luminance, ..]| luminance),
+            Painter::Realistic { sampler, .. } => {
+                sampler.values(direction).map(|[_, luminance, _]| luminance)
+            }
+        }
+    }
+
+    /// Whether a line is drawn along the ground; by night it ends where the stars do.
+    pub(crate) fn has_skyline(&self) -> bool {
+        !matches!(self, Painter::Eye { .. })
+    }
+
+    /// The colour of ground that hides the sky.
+    pub(crate) fn terrain_rgb(&self) -> [u8; 3] {
+        if matches!(self, Painter::Eye { .. }) { DARK_TERRAIN_RGB } else { TERRAIN_RGB }
+    }
+}
