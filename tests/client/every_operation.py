@@ -69,6 +69,7 @@ while call(by_id["get_job"], job=job).parsed.state in ("queued", "running"):
 region = InfluenceBody.from_dict({"region": [[0, 20], [90, 20], [45, 60]]})
 
 given = {**sites, "plan": plan, "job": job, "scenario": scenario, "kind": "busy", "z": 7, "x": 67, "y": "45"}
+given |= {"date": "2026-08-20", "month": "2026-08"}
 count = 0
 for path, operation in operations(("get",)):
     arguments = dict(given)
@@ -92,4 +93,7 @@ png = importlib.import_module("skyglow_client.models").GetPanoramaPngProjection
 call(by_id["get_panorama_png"], **sites, projection=png.FISHEYE)
 style = importlib.import_module("skyglow_client.models").GetPanoramaPngStyle
 call(by_id["get_panorama_png"], **sites, style=style.REALISTIC, exposure=2.0)
+call(by_id["get_panorama_png"], **sites, style=style.EYE, time="2026-08-20T23:16:00Z")
+sky = call(by_id["get_sky"], **sites, time="2026-08-20T23:16:00Z").parsed
+assert sky.night_sky, sky
 print(f"{count} calls of the generated client are answered")
