@@ -45,8 +45,7 @@ for (const [name, device] of [
     await page.waitForSelector("#notice:not([hidden])");
     assert.deepEqual(await violations(page), [], "an error");
     // And it would find something.
-    await page.$eval("#scene", (select) => select.removeAttribute("aria-label"));
-    await page.$eval(".scene-field", (label) => label.replaceWith(...label.querySelectorAll("select")));
+    await page.$eval(".language-field", (label) => label.replaceWith(...label.querySelectorAll("select")));
     assert.equal((await violations(page)).length, 1);
     await context.close();
   });

@@ -46,7 +46,7 @@ test("a link and a reload restore the whole view", async () => {
   const { sky } = await getJson(skyPath(here.scene, "sky", beside, "&turbidity=3.4&lamp=hps"));
   assert.deepEqual(seen, {
     hash: link,
-    zenith: sky.zenith_total_brightness_mag_arcsec2.toFixed(2),
+    zenith: sky.zenith_brightness_mag_arcsec2.toFixed(2),
     turbidity: "3.4",
     lamp: "hps",
     fisheye: "true",

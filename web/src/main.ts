@@ -1,5 +1,7 @@
 // Puts the viewer together: one store, and the components that follow it.
 
+import { followConnection } from "./data/connection.ts";
+import { followNight } from "./data/night-session.ts";
 import { dropAbsentAir, followScene, loadScenes } from "./data/scenes.ts";
 import { SkySession } from "./data/sky-session.ts";
 import { chooseLanguage } from "./language/words.ts";
@@ -30,7 +32,9 @@ import { mountResponseControls } from "./ui/response-controls.ts";
 import { mountSceneSelect } from "./ui/scene-select.ts";
 import { Search } from "./ui/search.ts";
 import { mountShare } from "./ui/share.ts";
+import { mountSummary } from "./ui/summary.ts";
 import { mountSwitches } from "./ui/switches.ts";
+import { TimeLine } from "./ui/time-line.ts";
 
 await chooseLanguage();
 const store = new AppStore();
@@ -38,7 +42,9 @@ const store = new AppStore();
 // What the state asks for is made sure of first, then fetched, then shown.
 dropAbsentAir(store);
 followScene(store);
+followConnection(store);
 new SkySession(store);
+followNight(store);
 const lights = new Lights(store);
 
 mountNotice(store);
@@ -51,8 +57,10 @@ mountResponseControls(store);
 mountPictureControls(store);
 mountLightsControls(store);
 mountLayerPanel(store);
+mountSummary(store);
 mountNumbers(store);
 mountColourNumbers(store);
+new TimeLine(store);
 mountReadout(store);
 mountRegionButton(store);
 new Legend(store);
@@ -69,6 +77,6 @@ const goTo = (place: Place) => {
 new Search(store, goTo);
 mountLocate(store, goTo);
 mountShare(lights);
-mountSwitches(() => map.resize());
+mountSwitches(store, () => map.resize());
 
 await loadScenes(store, map.load());

@@ -4,6 +4,7 @@ import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { nightOf, nightSkyAt } from "./night.mjs";
 import { COLUMNS, LAMPS, quantities, RESPONSES, ROWS, radiance, TOWNS, valuesOf } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
@@ -79,6 +80,7 @@ function answer(query) {
       ground_albedo: scattering === "multiple" ? 0.15 : null,
       local_optical_depth: [0.06, 0.12, 0.19, 0.31],
       warnings: warnings(place),
+      ...(query.has("time") ? { night_sky: nightSkyAt(query.get("time"), place) } : {}),
     },
   };
 }
@@ -99,6 +101,7 @@ function api(path, query, response) {
     );
     return false;
   };
+  if (path === "night") return json(nightOf(query.get("date"), Number(query.get("lat")), Number(query.get("lon"))));
   if (path === "scenes") return json([scene]);
   if (path === "atmospheres")
     return json(

@@ -1,7 +1,6 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
-import { words } from "../language/words.ts";
-import { ApiError, problemFromResponse } from "./problem.ts";
+import { ApiError, noAnswer, problemFromResponse } from "./problem.ts";
 import type { PlanBody, paths, ScenarioBody } from "./schema.ts";
 
 type Method = "get" | "post";
@@ -38,6 +37,7 @@ export type SkyParameters = Pick<
   | "terrain"
   | "scenario"
   | "response"
+  | "time"
 >;
 /** What the tiles of a layer depend on besides the scene. */
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
@@ -110,7 +110,7 @@ async function request<A>(url: string, init: RequestInit & { signal: AbortSignal
       response = await fetch(url, init);
     } catch (reason) {
       if (signal.aborted) throw reason;
-      throw new ApiError(0, { title: words().problems.noAnswer, detail: words().problems.noAnswerMore });
+      throw noAnswer();
     }
     if (response.ok) return (await response.json()) as A;
     const busy = response.status === 503 || response.status === 429;
@@ -125,6 +125,8 @@ async function request<A>(url: string, init: RequestInit & { signal: AbortSignal
 export const api = {
   scenes: (signal: AbortSignal) => get("/api/v1/scenes", {}, {}, signal),
   places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
+  /** The night that begins on the evening of a date. */
+  night: ({ lat, lon }: SkyParameters, date: string, signal: AbortSignal) => get("/api/v1/night", {}, { lat, lon, date }, signal),
   atmospheres: (signal: AbortSignal) => get("/api/v1/atmospheres", {}, {}, signal),
   site: (scene: string, { lat, lon }: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/site", { scene }, { lat, lon }, signal),

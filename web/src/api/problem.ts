@@ -16,6 +16,15 @@ export class ApiError extends Error {
   }
 }
 
+/** What there is to say where no answer came at all. */
+export function noAnswer(): ApiError {
+  return new ApiError(0, { title: words().problems.noAnswer, detail: words().problems.noAnswerMore });
+}
+
+export function isWithoutAnswer(reason: unknown): boolean {
+  return reason instanceof ApiError && reason.status === 0;
+}
+
 /** The problem document of an answer, or one made from its status where it carries none. */
 export async function problemFromResponse(response: Response): Promise<Partial<Problem>> {
   const otherwise: Partial<Problem> = {

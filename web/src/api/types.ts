@@ -5,6 +5,8 @@ import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./s
 export type {
   AtmosphereAnswer as Atmosphere,
   DimmedPixelAnswer as DimmedPixel,
+  Night,
+  NightSkyAnswer as NightSky,
   PanoramaAnswer,
   PlanAnswer as Plan,
   Problem,

@@ -2,7 +2,7 @@
 
 import { api } from "../api/client.ts";
 import { words } from "../language/words.ts";
-import { packsOf, sceneOf } from "../state/app-state.ts";
+import { bestFirst, packsOf, sceneFor, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { cloudBases } from "../ui/clouds.ts";
 import { residentScatterings, scatteringTitle } from "../ui/scattering.ts";
@@ -13,7 +13,7 @@ export async function loadScenes(store: AppStore, mapLoaded: Promise<void>): Pro
   try {
     const [scenes, atmospheres] = await Promise.all([api.scenes(signal), api.atmospheres(signal)]);
     await mapLoaded;
-    store.set({ scenes, atmospheres });
+    store.set({ scenes: bestFirst(scenes), atmospheres });
     if (scenes.length === 0) store.report(new Error(words().problems.noScenes));
   } catch (reason) {
     store.report(reason);
@@ -35,11 +35,11 @@ export function dropAbsentAir(store: AppStore): void {
   });
 }
 
-/** Shows the first scene where the state names none that exists. */
+/** Where the state names no scene that exists, shows that of its place, or the first one. */
 export function followScene(store: AppStore): void {
   store.watch(["scenes", "scene"], (state) => {
     const { scene } = state;
-    const [first] = state.scenes;
+    const first = (state.place === null ? null : sceneFor(state, state.place)) ?? state.scenes[0];
     if (first === undefined || sceneOf(state) !== null) return;
     if (scene === null) {
       store.set({ scene: first.id });

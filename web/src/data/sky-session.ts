@@ -1,8 +1,17 @@
 // From a picked place to its sky: site, then numbers, then picture. A newer pick cancels an older one.
 
 import { api, type SkyParameters } from "../api/client.ts";
+import { isWithoutAnswer } from "../api/problem.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import { type AppState, CONDITIONS, coordinatesOf, isCompared, pictureConditions, sceneOf } from "../state/app-state.ts";
+import {
+  type AppState,
+  CONDITIONS,
+  coordinatesOf,
+  isCompared,
+  pictureConditions,
+  sceneOf,
+  skyConditions,
+} from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 
@@ -18,6 +27,8 @@ const NO_SKY = {
 /** The skies of a state. */
 interface SkyRequests {
   shown: SkyParameters;
+  /** Its picture, which is of no time. */
+  picture: SkyParameters;
   /** Whose picture is shown beside it. */
   beside: SkyParameters | null;
   /** Whose numbers it is compared with: today's of painted lights, or those of today's. A plan has its own. */
@@ -25,42 +36,54 @@ interface SkyRequests {
 }
 
 function requestsOf(state: Readonly<AppState>, place: Place): SkyRequests {
-  const shown = { ...coordinatesOf(place), ...pictureConditions(state) };
+  const shown = { ...coordinatesOf(place), ...skyConditions(state) };
+  const picture = { ...coordinatesOf(place), ...pictureConditions(state) };
   const { scenario, ...today } = shown;
+  const { scenario: _, ...pictureToday } = picture;
   const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
   return {
     shown,
-    beside: isCompared(state) ? today : null,
+    picture,
+    beside: isCompared(state) ? pictureToday : null,
     compared: painted === null ? null : scenario === undefined ? { ...today, scenario: painted } : today,
   };
+}
+
+function siteKey(scene: string, { lat, lon }: SkyParameters): string {
+  return JSON.stringify([scene, lat, lon]);
 }
 
 export class SkySession {
   private controller = new AbortController();
   private requested = "";
   private requestedSite = "";
+  /** Of the pictures that are shown. */
+  private shownPictures = "";
 
   constructor(private readonly store: AppStore) {
     const isRealistic = ({ colours }: Readonly<AppState>) => colours === "realistic";
-    store.watch([sceneOf, "place", isRealistic, ...CONDITIONS], (state) => {
+    store.watch([sceneOf, "place", "time", "isAway", isRealistic, ...CONDITIONS], (state) => {
       const scene = sceneOf(state);
       if (scene === null || state.place === null) {
         this.cancel();
         return;
       }
-      void this.load(scene.id, requestsOf(state, state.place));
+      const requests = requestsOf(state, state.place);
+      if (state.isAway) this.wait(scene.id, requests);
+      else void this.load(scene.id, requests);
     });
   }
 
   /** Requests a sky, and what it is compared with, unless these are the last requests. */
   private async load(scene: string, requests: SkyRequests): Promise<void> {
-    const { shown, beside, compared } = requests;
+    const { shown, picture, beside, compared } = requests;
     const requested = JSON.stringify([scene, requests]);
     if (requested === this.requested) return;
     this.restart();
     const { signal } = this.controller;
     this.requested = requested;
-    const requestedSite = JSON.stringify([scene, shown.lat, shown.lon]);
+    const requestedSite = siteKey(scene, shown);
+    const requestedPictures = JSON.stringify([scene, picture, beside]);
     performance.clearMarks("sky:asked");
     performance.mark("sky:asked");
     this.store.set({ isBusy: true });
@@ -68,29 +91,44 @@ export class SkySession {
       if (requestedSite !== this.requestedSite) {
         this.store.set({ ...NO_SKY, site: await api.site(scene, shown, signal), skyStage: "site" });
         this.requestedSite = requestedSite;
+        this.shownPictures = "";
         performance.measure("sky:site", "sky:asked");
       }
       const answer = await api.sky(scene, shown, signal);
-      this.store.set({ answer, skyStage: "numbers" });
+      const isPictured = requestedPictures === this.shownPictures;
+      this.store.set({ answer, skyStage: isPictured ? "picture" : "numbers" });
       performance.measure("sky:numbers", "sky:asked");
-      const both = beside === null ? [shown] : [shown, beside];
+      const both = isPictured ? [] : beside === null ? [picture] : [picture, beside];
       const [answers, other] = await Promise.all([
         Promise.all(both.map((query) => api.panorama(scene, query, signal))),
         compared === null ? null : api.sky(scene, compared, signal),
       ]);
-      const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
       const isToday = shown.scenario === undefined;
       const [before, after] = isToday ? [answer, other] : [other, answer];
       const comparison = before === null || after === null ? null : { before: before.sky, after: after.sky };
-      this.store.set({ panorama, panoramaToday, comparison, skyStage: "picture" });
+      const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
+      const pictures = isPictured ? {} : { panorama, panoramaToday };
+      this.shownPictures = requestedPictures;
+      this.store.set({ ...pictures, comparison, skyStage: "picture" });
       performance.measure("sky:picture", "sky:asked");
       this.store.set({ isBusy: false });
     } catch (reason) {
       if (signal.aborted) return;
+      if (isWithoutAnswer(reason)) {
+        this.requested = "";
+        this.store.set({ isBusy: false });
+        this.store.report(reason);
+        return;
+      }
       // Asking for the same again is then a new try.
       this.cancel();
       this.store.report(reason);
     }
+  }
+
+  /** Until the server is back, the sky of the same place stays; that of another one goes. */
+  private wait(scene: string, { shown }: SkyRequests): void {
+    if (siteKey(scene, shown) !== this.requestedSite) this.cancel();
   }
 
   /** Forgets the sky and cancels its requests. */
@@ -98,6 +136,7 @@ export class SkySession {
     this.restart();
     this.requested = "";
     this.requestedSite = "";
+    this.shownPictures = "";
     this.store.set({ ...NO_SKY, isBusy: false });
   }
 

@@ -5,6 +5,7 @@ import { feature, mesh } from "topojson-client";
 import type { GeometryCollection, Topology } from "topojson-specification";
 import fineUrl from "world-atlas/countries-50m.json?url";
 import coarseUrl from "world-atlas/countries-110m.json?url";
+import { noAnswer } from "../api/problem.ts";
 import { words } from "../language/words.ts";
 
 type Atlas = Topology<{ countries: GeometryCollection<{ name: string }> }>;
@@ -66,6 +67,40 @@ function labelPoints(land: FeatureCollection): FeatureCollection<Point> {
   };
 }
 
+/**
+ * The atlas joins what reaches over the antimeridian, so that a line jumps there from 180° to −180°. MapLibre wants it to go on past
+ * 180°. A ring around a pole then does not come back to its beginning: it is closed by way of the pole.
+ */
+export function unwrappedLine(line: Position[]): Position[] {
+  let turns = 0;
+  return line.map(([longitude = 0, latitude = 0], i) => {
+    const before = line[i - 1]?.[0] ?? longitude;
+    if (longitude - before > 180) turns--;
+    if (longitude - before < -180) turns++;
+    return [longitude + 360 * turns, latitude];
+  });
+}
+
+function unwrappedRing(ring: Position[]): Position[] {
+  const open = unwrappedLine(ring);
+  const [[first = 0] = [], [last = 0, latitude = 0] = []] = [open[0], open.at(-1)];
+  if (Math.abs(last - first) < 180) return open;
+  const pole = Math.sign(latitude) * 90;
+  return [...open, [last, pole], [first, pole], open[0] ?? [first, latitude]];
+}
+
+function unwrapped(land: FeatureCollection): FeatureCollection {
+  for (const { geometry } of land.features) {
+    if (geometry.type === "Polygon") geometry.coordinates = geometry.coordinates.map(unwrappedRing);
+    if (geometry.type === "MultiPolygon") geometry.coordinates = geometry.coordinates.map((polygon) => polygon.map(unwrappedRing));
+  }
+  return land;
+}
+
+function unwrappedLines(lines: MultiLineString): MultiLineString {
+  return { ...lines, coordinates: lines.coordinates.map(unwrappedLine) };
+}
+
 function graticule(): Feature<MultiLineString> {
   const lines: Position[][] = [];
   for (let longitude = -180; longitude < 180; longitude += 10)
@@ -81,15 +116,17 @@ function graticule(): Feature<MultiLineString> {
 
 /** Coarse outlines come soon, fine ones are six times as long. */
 export async function loadBasemap(detail: "coarse" | "fine"): Promise<Basemap> {
-  const response = await fetch(detail === "coarse" ? coarseUrl : fineUrl);
+  const response = await fetch(detail === "coarse" ? coarseUrl : fineUrl).catch(() => {
+    throw noAnswer();
+  });
   if (!response.ok) throw new Error(words().map.noOutlines(response.status));
   const atlas = (await response.json()) as Atlas;
   const { countries } = atlas.objects;
-  const land = feature(atlas, countries);
+  const land = unwrapped(feature(atlas, countries));
   return {
     land,
-    coasts: mesh(atlas, countries, (a, b) => a === b),
-    borders: mesh(atlas, countries, (a, b) => a !== b),
+    coasts: unwrappedLines(mesh(atlas, countries, (a, b) => a === b)),
+    borders: unwrappedLines(mesh(atlas, countries, (a, b) => a !== b)),
     names: labelPoints(land),
     graticule: graticule(),
   };

@@ -71,7 +71,12 @@ export class MapPanel {
       if (scene !== null) void map.showScene(scene, state.view === null);
     });
     store.watch(["places"], ({ places }) => void map.showPlaces(places));
-    store.watch(["place"], ({ place }) => map.mark(place));
+    // A link and the browser's history say what the map shows.
+    let isPicked = store.state.view === null;
+    store.watch(["place"], ({ place }) => {
+      map.mark(place, isPicked);
+      isPicked = true;
+    });
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {
@@ -80,7 +85,11 @@ export class MapPanel {
     store.watch(["painting", "lights"], ({ painting, lights }) => {
       void map.showPainted(lights === "today" ? NOTHING : painting.done);
     });
-    store.watch([sceneOf, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying"], (state) => {
+    store.watch(["isAway"], ({ isAway }) => {
+      if (!isAway) map.refreshTiles();
+    });
+    store.watch([sceneOf, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying", "isAway"], (state) => {
+      if (state.isAway) return;
       for (const layer of LAYERS) showLayer(map, layer, state);
     });
   }

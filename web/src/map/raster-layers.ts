@@ -69,6 +69,11 @@ export class RasterLayers {
     this.active.clear();
   }
 
+  /** Asks again for the tiles of all layers. */
+  refreshTiles(): void {
+    for (const name of this.active.keys()) if (this.map.getSource(name) !== undefined) this.map.refreshTiles(name);
+  }
+
   /** The opacity of a layer that is shown, at once. */
   setOpacity(name: LayerName, opacity: number): void {
     if (this.map.getLayer(name) !== undefined) this.map.setPaintProperty(name, "raster-opacity", opacity);

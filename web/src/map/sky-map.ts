@@ -2,6 +2,7 @@
 
 import type { GeoJSON } from "geojson";
 import { type ErrorEvent, type GeoJSONSource, type Map as MapLibreMap, Marker } from "maplibre-gl";
+import { ApiError, noAnswer } from "../api/problem.ts";
 import type { EditBody } from "../api/schema.ts";
 import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
@@ -35,6 +36,12 @@ function unwrapped([west = -180, south = -90, east = 180, north = 90]: Bounds): 
   return [west, south, east < west ? east + 360 : east, north];
 }
 
+/** An error of the map's own requests in the words of all others. */
+function problemOf(error: { message: string; status?: number }): Error {
+  if (error.status === undefined) return new Error(error.message);
+  return error.status === 0 ? noAnswer() : new ApiError(error.status, {});
+}
+
 export class SkyMap {
   private readonly map: MapLibreMap;
   private readonly marker: Marker;
@@ -43,6 +50,8 @@ export class SkyMap {
   private readonly painter: Painter;
   private readonly failedSources = new Set<string>();
   private marked: Place | null = null;
+  /** Whether the place was picked since the map was last moved by hand: only then may the map follow it. */
+  private isFollowing = false;
   /** Outlines and names, by the source that shows them. */
   private readonly shared = new Map<string, GeoJSON>();
   private swipe: Swipe | null = null;
@@ -85,6 +94,9 @@ export class SkyMap {
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.on("moveend", () => events.moved(this.view()));
+    this.map.on("movestart", ({ originalEvent }) => {
+      if (originalEvent !== undefined) this.isFollowing = false;
+    });
     this.map.on("resize", () => this.keepInView());
     this.map.on("error", (event) => this.report(event, events.failed));
     this.showBasemap("coarse")
@@ -112,13 +124,13 @@ export class SkyMap {
       if (this.failedSources.has(event.sourceId)) return;
       this.failedSources.add(event.sourceId);
     }
-    failed(event.error);
+    failed(problemOf(event.error));
   }
 
   /** When the sky takes its part of the page, the picked place must not end up behind it. */
   private keepInView(): void {
     const place = this.marked;
-    if (place === null) return;
+    if (place === null || !this.isFollowing) return;
     const { x, y } = this.map.project([place.longitude_deg, place.latitude_deg]);
     const { clientWidth, clientHeight } = this.map.getContainer();
     const inside = x > EDGE_PX && y > EDGE_PX && x < clientWidth - EDGE_PX && y < clientHeight - EDGE_PX;
@@ -212,7 +224,9 @@ export class SkyMap {
     });
   }
 
-  mark(place: Place | null): void {
+  /** Marks a place; one that was picked just now stays in view when the sky takes its part of the page. */
+  mark(place: Place | null, isPicked: boolean): void {
+    this.isFollowing = isPicked;
     if (place === null) {
       this.marker.remove();
       this.marked = null;
@@ -233,7 +247,14 @@ export class SkyMap {
   }
 
   jumpTo(view: MapView): void {
+    this.isFollowing = false;
     this.map.jumpTo({ center: [view.longitude_deg, view.latitude_deg], zoom: view.zoom });
+  }
+
+  /** Asks again for tiles that did not come. */
+  refreshTiles(): void {
+    this.failedSources.clear();
+    this.layers.refreshTiles();
   }
 
   resize(): void {

@@ -1,6 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Scene } from "../api/types.ts";
 import {
+  bestFirst,
   conditionsOf,
   coordinatesOf,
   influenceQuery,
@@ -8,6 +10,7 @@ import {
   isCompared,
   packsOf,
   pictureConditions,
+  sceneFor,
   sceneOf,
   todaysConditions,
 } from "./app-state.ts";
@@ -60,4 +63,25 @@ test("a region belongs to its own measure", () => {
 test("scene and packs are those of the state", () => {
   assert.equal(sceneOf({ ...DEFAULT, scene: "demo" }), null);
   assert.deepEqual(packsOf(DEFAULT), []);
+});
+
+/** A place is shown in the scene that is there, real data before the demo, the smaller before the larger. */
+test("the scene is that of the place", () => {
+  const scene = (id: string, bounds: number[], illustrative = false) => ({ id, bounds, illustrative }) as unknown as Scene;
+  const scenes = [
+    scene("demo", [5, 43, 14, 49], true),
+    scene("europe", [-10, 35, 30, 60]),
+    scene("alps", [5, 44, 12, 48]),
+    scene("fiji", [176, -20, -178, -15]),
+  ];
+  const at = (latitudeDeg: number, longitudeDeg: number, shown: string | null = null) =>
+    sceneFor({ scenes, scene: shown }, { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg })?.id ?? null;
+  assert.equal(at(46, 8), "alps");
+  assert.equal(at(46, 8, "demo"), "demo");
+  assert.equal(at(46, 8, "fiji"), "alps");
+  assert.equal(at(52, 13), "europe");
+  assert.equal(at(-17, 179), "fiji");
+  assert.equal(at(-17, -179), "fiji");
+  assert.equal(at(-17, 0), null);
+  assert.deepEqual(bestFirst(scenes)[3]?.id, "demo");
 });

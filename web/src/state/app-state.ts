@@ -1,7 +1,7 @@
 // The whole state: what a link holds, and the answers of the server.
 
 import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
-import type { Atmosphere, NamedPlace, Plan, Scenario, Scene, Site, SkyAnswer, SkyQuantities } from "../api/types.ts";
+import type { Atmosphere, Bounds, NamedPlace, Night, Plan, Scenario, Scene, Site, SkyAnswer, SkyQuantities } from "../api/types.ts";
 import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
@@ -24,12 +24,16 @@ export interface AppState extends ViewState {
   places: readonly NamedPlace[];
   /** What went wrong last, until it is closed. */
   problem: { reason: unknown } | null;
+  /** Whether the server does not answer. */
+  isAway: boolean;
   /** How much of the picked place's sky is there. */
   skyStage: "none" | "site" | "numbers" | "picture";
   /** Whether a sky is on its way. */
   isBusy: boolean;
   site: Site | null;
   answer: SkyAnswer | null;
+  /** The night that the time lies in, over the picked place; without a time tonight. */
+  night: Night | null;
   /** What painted lights change: the numbers of the sky without and with them. */
   comparison: Comparison | null;
   panorama: SkyGrid | null;
@@ -59,10 +63,12 @@ export function initialState(view: ViewState): AppState {
     atmospheres: [],
     places: [],
     problem: null,
+    isAway: false,
     skyStage: "none",
     isBusy: false,
     site: null,
     answer: null,
+    night: null,
     comparison: null,
     panorama: null,
     panoramaToday: null,
@@ -80,11 +86,35 @@ export function initialState(view: ViewState): AppState {
 
 type State = Readonly<AppState>;
 /** What the sky of any place depends on. */
-export type Conditions = Omit<SkyParameters, "lat" | "lon">;
+export type SkyConditions = Omit<SkyParameters, "lat" | "lon">;
+/** The same but for the time, which counts for the natural sky alone. */
+export type Conditions = Omit<SkyConditions, "time">;
 
 /** The scene that is shown; null until the list of scenes is known. */
 export function sceneOf({ scenes, scene }: State): Scene | null {
   return scenes.find(({ id }) => id === scene) ?? null;
+}
+
+function isInside([west = -180, south = -90, east = 180, north = 90]: Bounds, { latitude_deg, longitude_deg }: Place): boolean {
+  const isAcross = west > east ? longitude_deg >= west || longitude_deg <= east : longitude_deg >= west && longitude_deg <= east;
+  return isAcross && latitude_deg >= south && latitude_deg <= north;
+}
+
+/** Degrees by degrees: enough to tell a country's scene from a continent's. */
+function sizeOf([west = -180, south = -90, east = 180, north = 90]: Bounds): number {
+  return (east - west + (east < west ? 360 : 0)) * (north - south);
+}
+
+/** Measured scenes before illustrative ones. */
+export function bestFirst(scenes: readonly Scene[]): Scene[] {
+  return [...scenes].sort((a, b) => Number(a.illustrative) - Number(b.illustrative));
+}
+
+/** The scene that has a place: the one that is shown if it does, else a measured one, the smallest; null where none does. */
+export function sceneFor({ scenes, scene }: Pick<State, "scenes" | "scene">, place: Place): Scene | null {
+  const there = scenes.filter(({ bounds }) => isInside(bounds, place));
+  const smallest = bestFirst(there.sort((a, b) => sizeOf(a.bounds) - sizeOf(b.bounds)));
+  return there.find(({ id }) => id === scene) ?? smallest[0] ?? null;
 }
 
 /** The packs under the clouds of the state. */
@@ -148,6 +178,11 @@ export function conditionsOf(state: State): Conditions {
 export function pictureConditions(state: State): Conditions {
   const { response: _, ...ofTheEye } = conditionsOf(state);
   return state.colours === "realistic" ? ofTheEye : conditionsOf(state);
+}
+
+/** Those of the sky's numbers: of the picture's, at the time that is chosen. */
+export function skyConditions(state: State): SkyConditions {
+  return { ...pictureConditions(state), ...(state.time === null ? {} : { time: state.time }) };
 }
 
 export function todaysConditions(state: State): Omit<Conditions, "scenario"> {

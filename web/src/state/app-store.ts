@@ -1,11 +1,17 @@
 // The viewer's store: what a link holds of its state is in the page's address, and comes back with the browser's history.
 
+import { isWithoutAnswer } from "../api/problem.ts";
 import type { Region } from "../sky/region.ts";
 import { Store } from "../store.ts";
 import { debounced } from "../ui/dom.ts";
-import { type AppState, initialState } from "./app-state.ts";
+import { type AppState, initialState, sceneFor } from "./app-state.ts";
 import { fragmentFromState, stateFromFragment } from "./fragment.ts";
 import { DEFAULT_STATE, type Place } from "./view-state.ts";
+
+/** What the browser's history brings back. How it is shown stays as it is: Back undoes a pick, and not the colours chosen after it. */
+const STEPS = ["scene", "place", "scenario", "time", "region", "measure", "view"] as const;
+/** State of the entries in the browser's history that this page wrote: others are links, or typed by hand. */
+const OWN_ENTRY = "skyglow";
 
 /** Opacity of the lights that cause a marked part of the sky. */
 const SHOWN_INFLUENCE = 0.9;
@@ -22,8 +28,13 @@ export class AppStore extends Store<AppState> {
     this.watch([fragmentWithoutSplit], (state) => this.writeAddress(state, false));
     const writeSoon = debounced(SPLIT_WAIT_MS, () => this.writeAddress(this.state, false));
     this.watch(["split"], writeSoon);
+    history.replaceState(OWN_ENTRY, "");
     // Back and forward, and fragments typed by hand.
-    addEventListener("popstate", () => this.set(stateFromFragment(location.hash)));
+    addEventListener("popstate", ({ state }) => {
+      const view = stateFromFragment(location.hash);
+      this.set(state === OWN_ENTRY ? Object.fromEntries(STEPS.map((name) => [name, view[name]])) : view);
+      history.replaceState(OWN_ENTRY, "");
+    });
   }
 
   /** A change that is a step of its own in the browser's history. */
@@ -32,8 +43,12 @@ export class AppStore extends Store<AppState> {
     this.set(part);
   }
 
+  /** Shows a place, in the scene that has it. */
   pick(place: Place): void {
-    this.push({ place, problem: null });
+    const { state } = this;
+    const scene = sceneFor(state, place);
+    const isOther = scene !== null && scene.id !== state.scene;
+    this.push({ place, problem: null, ...(isOther ? { scene: scene.id, scenario: null } : {}) });
   }
 
   /** Marks a part of the sky, and shows which lights cause it; null: no part. */
@@ -44,8 +59,11 @@ export class AppStore extends Store<AppState> {
     else this.push({ region, measure: measure === "region" ? "zenith" : measure });
   }
 
+  /** Tells what went wrong. That the server does not answer is told once, and nothing else that follows from it. */
   report(reason: unknown): void {
-    this.set({ problem: { reason } });
+    const isAway = isWithoutAnswer(reason);
+    if (isAway && this.state.isAway) return;
+    this.set({ problem: { reason }, ...(isAway ? { isAway } : {}) });
   }
 
   private writeAddress(state: Readonly<AppState>, push: boolean): void {
@@ -53,8 +71,8 @@ export class AppStore extends Store<AppState> {
     if (fragment === location.hash) return;
     const url = `${location.pathname}${location.search}${fragment}`;
     try {
-      if (push) history.pushState(null, "", url);
-      else history.replaceState(null, "", url);
+      if (push) history.pushState(OWN_ENTRY, "", url);
+      else history.replaceState(OWN_ENTRY, "", url);
     } catch {
       // Some browsers take no more than some changes of the address in a while; the next one has it all.
     }

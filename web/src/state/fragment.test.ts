@@ -10,6 +10,7 @@ const EVERYTHING: ViewState = {
   lights: "today",
   split: 0.25,
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
+  time: "2026-08-12T22:30:00Z",
   turbidity: 3.2,
   scattering: "single",
   clouds: 1500,
@@ -62,7 +63,7 @@ test("former names of emissions are read", () => {
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(
-    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20",
+    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20&time=2026-13-01T00:00Z",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });

@@ -32,6 +32,13 @@ function emissionFromText(text: string | null): string {
   return FORMER_EMISSIONS[name] ?? name;
 }
 
+/** A time of the years that the server knows, as UTC in whole minutes. */
+function timeFromText(text: string | null): string | null {
+  const minute = matching(text, /^(19|20)\d\d-\d\d-\d\dT\d\d:\d\dZ$/);
+  const instant = new Date(minute ?? "");
+  return Number.isNaN(instant.getTime()) ? null : instant.toISOString().replace(".000", "");
+}
+
 /** `azimuth/elevation/field`, degrees. */
 function gazeFromText(text: string | null): Gaze | null {
   const [azimuth, elevation, field] = (text ?? "").split("/");
@@ -66,6 +73,7 @@ export function stateFromFragment(fragment: string): ViewState {
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
         ? { zoom: view.zoom, latitude_deg: view.latitude_deg, longitude_deg: view.longitude_deg }
         : null,
+    time: timeFromText(query.get("time")),
     turbidity: numberIn(query.get("turbidity"), 1, 100),
     scattering: SCATTERINGS.find((name) => name === query.get("scattering")) ?? null,
     clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
@@ -106,6 +114,7 @@ export function fragmentFromState(state: ViewState): string {
     const { zoom, latitude_deg, longitude_deg } = state.view;
     parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);
   }
+  add("time", state.time?.replace(":00Z", "Z") ?? null, null);
   add("turbidity", state.turbidity, null);
   add("scattering", state.scattering, null);
   add("clouds", state.clouds, null);

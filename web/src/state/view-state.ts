@@ -51,6 +51,8 @@ export interface ViewState {
   split: number;
   /** null: fit the scene. */
   view: MapView | null;
+  /** When the natural sky is that of, as UTC in whole minutes such as `2026-08-12T22:30:00Z`; null: of no time, a dark sky. */
+  time: string | null;
   /** null: the server's default. */
   turbidity: number | null;
   /** null: the best that the server has. */
@@ -91,6 +93,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   lights: "changed",
   split: 0.5,
   view: null,
+  time: null,
   turbidity: null,
   scattering: null,
   clouds: null,

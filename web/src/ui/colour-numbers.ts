@@ -9,7 +9,7 @@ import type { AppStore } from "../state/app-store.ts";
 import { RESPONSES } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 import { fixed, inUnit } from "./format.ts";
-import { row } from "./numbers.ts";
+import { row } from "./row.ts";
 
 const NONE = "–";
 /** A colour temperature is told to so many kelvins. */

@@ -11,9 +11,9 @@ import {
   conditionsOf,
   coordinatesOf,
   influenceQuery,
-  pictureConditions,
   sceneOf,
   seenOf,
+  skyConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
@@ -23,11 +23,11 @@ export function mountDownloads(store: AppStore): void {
   const pictures = byId("download-links", HTMLElement);
   const influences = byId("influence-links", HTMLElement);
   const look = ["projection", "sky", "colours", "exposureEv", "unit", "gaze", "skyAspect", "panorama"] as const;
-  store.watch([sceneOf, "place", ...CONDITIONS, ...look], (state) => {
+  store.watch([sceneOf, "place", "time", ...CONDITIONS, ...look], (state) => {
     const { place } = state;
     const scene = sceneOf(state);
     if (scene === null || place === null) return;
-    showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...pictureConditions(state) }, state);
+    showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state);
   });
   store.watch([sceneOf, "place", ...CONDITIONS, "measure", "region"], (state) => {
     const scene = sceneOf(state);

@@ -3,14 +3,21 @@
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
+import type { BrightnessUnit } from "../sky/units.ts";
 import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { ViewState } from "../state/view-state.ts";
 import { cloudsTitle } from "./clouds.ts";
 import { byId, inEnglish, make } from "./dom.ts";
-import { fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
+import { decimal, fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
 import { lampTitle } from "./lamps.ts";
+import { nightFold } from "./night-fold.ts";
+import { row } from "./row.ts";
 import { scatteringTitle } from "./scattering.ts";
+import { dominantLight, WELL_KNOWN } from "./summary.ts";
+
+/** Artificial light at the zenith over the natural one: with less, its own magnitude says nothing. */
+const NO_ARTIFICIAL_RATIO = 0.001;
 
 /** Follows what is known of the picked place. */
 export function mountNumbers(store: AppStore): void {
@@ -20,7 +27,7 @@ export function mountNumbers(store: AppStore): void {
     if (state.site === null) site.replaceChildren();
     else showSite(site, state.site);
   });
-  store.watch(["answer", "sky", "unit", "lamp", sceneOf], (state) => {
+  store.watch(["answer", "unit", "lamp", sceneOf], (state) => {
     const scene = sceneOf(state);
     if (state.answer === null || scene === null) numbers.replaceChildren();
     else showNumbers(numbers, state.answer, state, scene);
@@ -31,14 +38,6 @@ export function mountNumbers(store: AppStore): void {
 function depthNear550(atNodes: readonly number[]): number {
   const [, yellow = Number.NaN, green = Number.NaN] = atNodes;
   return Math.sqrt(yellow * green);
-}
-
-/** A line of a list of numbers; `key` is for scripts and tests. */
-export function row(name: string, value: string, unit: string, key: string, note = ""): HTMLElement {
-  const shown = make("dd", "", make("b", "", value), unit === "" ? "" : ` ${unit}`);
-  shown.dataset.value = key;
-  if (note !== "") shown.append(make("small", "", note));
-  return make("div", "number-row", make("dt", "", name), shown);
 }
 
 /** What is known right after a click, before the sky is computed. */
@@ -67,27 +66,46 @@ function warning(text: string): HTMLElement {
   return shown;
 }
 
-/** The numbers of a sky; the zenith figures follow the switch between artificial and total. */
-function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, unit, lamp }: ViewState, scene: Scene): void {
+/** Artificial light at the zenith, beside all light. */
+function artificialAlone({ sky }: SkyAnswer, unit: BrightnessUnit): HTMLElement {
+  const say = words().numbers;
+  if (sky.ratio_to_natural < NO_ARTIFICIAL_RATIO)
+    return make("span", "zenith-luminance", say.artificialLess(decimal(100 * NO_ARTIFICIAL_RATIO)));
+  // The server's own magnitude, wherever it stands.
+  const mag = make("b", "", magnitude(sky.zenith_brightness_mag_arcsec2 ?? null));
+  mag.dataset.value = "zenith_mag";
+  const amount =
+    unit === "magnitude" ? [mag, " mag/arcsec²"] : [inUnit(sky.zenith_luminance_cd_m2, unit).join(" "), " (", mag, ")"];
+  return make("span", "zenith-luminance", `${say.artificialAlone} `, ...amount);
+}
+
+/** What there is to say of a Bortle class. */
+function bortleWords({ sky, coverage, night_sky }: SkyAnswer): string {
+  const say = words().numbers;
+  if (sky.bortle_class == null) return say.overcast;
+  const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
+  if (light !== null) return light === "sun" ? say.inTwilight : say.inMoonlight;
+  const name = words().bortle[sky.bortle_class - 1] ?? "";
+  return coverage < WELL_KNOWN ? say.orBrighter(name) : name;
+}
+
+/** The numbers of a sky: all light first, which a meter sees, beside it artificial light alone. */
+function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: ViewState, scene: Scene): void {
   const { sky } = answer;
   const say = words().numbers;
-  const total = kind === "total";
-  const zenithMag = (total ? sky.zenith_total_brightness_mag_arcsec2 : sky.zenith_brightness_mag_arcsec2) ?? null;
-  const zenithCdM2 = total ? sky.zenith_total_luminance_cd_m2 : sky.zenith_luminance_cd_m2;
-  const illuminanceLx = total ? sky.horizontal_total_illuminance_lx : sky.horizontal_illuminance_lx;
-
-  // The server's own magnitude, wherever it stands.
-  const mag = make("b", "", magnitude(zenithMag));
-  mag.dataset.value = "zenith_mag";
+  const totalMag = make("b", "", magnitude(sky.zenith_total_brightness_mag_arcsec2 ?? null));
+  totalMag.dataset.value = "zenith_total_mag";
   const byUnit = unit === "magnitude";
-  const [value, name] = byUnit ? [mag, "mag/arcsec²"] : [make("b", "", inUnit(zenithCdM2, unit)[0]), inUnit(zenithCdM2, unit)[1]];
-  const other = byUnit ? [withPrefix(zenithCdM2, "cd/m²")] : [mag, " mag/arcsec²"];
+  const [value, name] = inUnit(sky.zenith_total_luminance_cd_m2, unit);
   const zenith = make(
     "div",
     "zenith",
-    make("span", "zenith-name", total ? say.zenithTotal : say.zenithArtificial),
-    make("div", "zenith-value", value, make("small", "", name)),
-    make("span", "zenith-luminance", ...other),
+    make("span", "zenith-name", say.zenithTotal),
+    make("div", "zenith-value", byUnit ? totalMag : make("b", "", value), make("small", "", byUnit ? "mag/arcsec²" : name)),
+    byUnit
+      ? make("span", "zenith-luminance", withPrefix(sky.zenith_total_luminance_cd_m2, "cd/m²"))
+      : make("span", "zenith-luminance", totalMag, " mag/arcsec²"),
+    artificialAlone(answer, unit),
   );
 
   const bortleClass = sky.bortle_class ?? null;
@@ -106,7 +124,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, uni
     make("span", "zenith-name", say.bortleClass),
     make("div", "zenith-value", bortleNumber, make("small", "", say.bortleOf)),
     steps,
-    make("span", "bortle-name", bortleClass === null ? say.overcast : (words().bortle[bortleClass - 1] ?? "")),
+    make("span", "bortle-name", bortleWords(answer)),
   );
 
   const brightest = say.brightestAt(compassName(sky.brightest_azimuth_deg), sky.brightest_elevation_deg.toFixed(0));
@@ -117,7 +135,13 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, uni
     "dl",
     "number-list",
     row(say.ratio, `${ratio(sky.ratio_to_natural)} ×`, say.natural, "ratio"),
-    row(say.illuminance, withPrefix(illuminanceLx, "lx"), "", "illuminance"),
+    row(
+      say.illuminance,
+      withPrefix(sky.horizontal_total_illuminance_lx, "lx"),
+      "",
+      "illuminance",
+      `${say.artificialAlone} ${withPrefix(sky.horizontal_illuminance_lx, "lx")}`,
+    ),
     limit === null || limit === undefined
       ? row(say.faintestStars, say.noStars, say.behindClouds, "naked_eye_limit")
       : row(say.faintestStars, fixed(limit, 2), say.nakedEye, "naked_eye_limit"),
@@ -135,5 +159,6 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { sky: kind, uni
   if (answer.calibration !== 1) notes.push(say.calibration(shortNumber(answer.calibration)));
   if (scene.illustrative) notes.push(words().scene.illustrativeNote);
   const note = make("div", "notes", ...answer.warnings.map(warning), ...notes.map((text) => make("p", "", text)));
-  container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, note);
+  const night = answer.night_sky == null ? [] : [nightFold(answer.night_sky)];
+  container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, ...night, note);
 }

@@ -5,6 +5,8 @@ import { byId, make } from "./dom.ts";
 import { coordinates } from "./format.ts";
 import { placeName } from "./nearby.ts";
 
+const TITLE = "Skyglow";
+
 export function mountPageStatus(store: AppStore): void {
   const { body } = document;
   const numbers = byId("numbers-card", HTMLElement);
@@ -25,9 +27,11 @@ export function mountPageStatus(store: AppStore): void {
   store.watch(["place", "places"], ({ place, places }) => {
     if (place === null) {
       title.replaceChildren();
+      document.title = TITLE;
       return;
     }
     const name = placeName(place, places);
+    document.title = `${name} – ${TITLE}`;
     const at = coordinates(place.latitude_deg, place.longitude_deg);
     title.replaceChildren(name, ...(name === at ? [] : [make("small", "", at)]));
   });

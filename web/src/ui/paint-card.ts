@@ -53,6 +53,10 @@ export class PaintCard {
       this.setPainting(!this.isPainting);
       if (this.isPainting) byId("map-area", HTMLElement).scrollIntoView({ block: "nearest" });
     });
+    byId("paint-stop", HTMLButtonElement).addEventListener("click", () => {
+      this.setPainting(false);
+      this.draw.scrollIntoView({ block: "center" });
+    });
     this.undo.addEventListener("click", () => lights.repaint(withUndo(store.state.painting)));
     this.redo.addEventListener("click", () => lights.repaint(withRedo(store.state.painting)));
     this.clear.addEventListener("click", () => lights.clear());
@@ -133,6 +137,7 @@ export class PaintCard {
     say(this.radius, `${this.radius.value} km`);
     this.draw.setAttribute("aria-pressed", String(this.isPainting));
     this.draw.textContent = this.isPainting ? words().paint.stop : words().paint.draw;
+    byId("paint-stop", HTMLButtonElement).hidden = !this.isPainting;
     byId("paint-hint", HTMLElement).textContent = this.isPainting ? words().paint.hint : "";
     this.store.set({ brush: this.isPainting ? { shape: this.shape, radiusM: 1000 * Number(this.radius.value) } : null });
   }

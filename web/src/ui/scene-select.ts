@@ -27,6 +27,8 @@ export function mountSceneSelect(store: AppStore): void {
   store.watch(["scenes"], ({ scenes }) => {
     select.replaceChildren(...scenes.map(option));
     select.disabled = scenes.length === 0;
+    // A choice of one is none.
+    byId("scene-field", HTMLElement).hidden = scenes.length < 2;
   });
   store.watch([sceneOf], (state) => {
     const scene = sceneOf(state);

@@ -1,11 +1,13 @@
-// The search box: the scene's places by name, or coordinates. A combobox with a list, by the ARIA pattern.
+// The search box: places of all scenes by name, or coordinates. A combobox with a list, by the ARIA pattern.
 
+import { api } from "../api/client.ts";
 import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
+import { placeFromText } from "./coordinates.ts";
 import { byId, make } from "./dom.ts";
-import { cardinalNames, coordinates, whole } from "./format.ts";
+import { coordinates, whole } from "./format.ts";
 
 const MAX_RESULTS = 8;
 
@@ -16,26 +18,18 @@ function folded(text: string): string {
     .toLowerCase();
 }
 
-/** `-1.29, 36.82` (latitude first) as a place, or null. Letters are those of the page's language, or English. */
-export function placeFromText(text: string): Place | null {
-  const [north, east, south, west] = cardinalNames();
-  const latitude = `(-?\\d{1,2}(?:\\.\\d+)?)\\s*°?\\s*(${north}|${south}|N|S)?`;
-  const longitude = `(-?\\d{1,3}(?:\\.\\d+)?)\\s*°?\\s*(${east}|${west}|E|W)?`;
-  const match = new RegExp(`^\\s*${latitude}\\s*[,;\\s]\\s*${longitude}\\s*$`, "i").exec(text);
-  if (match === null) return null;
-  const latitudeDeg = Number(match[1]) * sign(match[2], [south, "S"]);
-  const longitudeDeg = Number(match[3]) * sign(match[4], [west, "W"]);
-  return Math.abs(latitudeDeg) <= 90 && Math.abs(longitudeDeg) <= 180
-    ? { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg }
-    : null;
-}
+/** Scenes whose places are asked for besides those of the scene that is shown. */
+const MAX_SCENES = 30;
+/** Two places of one name nearer than this, degrees, are one, which two scenes have. */
+const SAME_PLACE_DEG = 0.05;
 
-function sign(letter: string | undefined, negative: readonly string[]): number {
-  return letter !== undefined && negative.includes(letter.toUpperCase()) ? -1 : 1;
+/** A place, and the scene that has it where that is not the one that is shown. */
+export interface SearchedPlace extends NamedPlace {
+  sceneTitle?: string;
 }
 
 /** Places whose name has the text in it; names that begin with it first, then the larger ones. */
-export function matchingPlaces(places: readonly NamedPlace[], text: string): NamedPlace[] {
+export function matchingPlaces<P extends NamedPlace>(places: readonly P[], text: string): P[] {
   const query = folded(text.trim());
   if (query === "") return [];
   return places
@@ -51,6 +45,9 @@ export class Search {
   private readonly list = byId("search-list", HTMLElement);
   private results: { title: string; detail: string; place: Place }[] = [];
   private active = -1;
+  /** Places of other scenes, asked for once someone searches. */
+  private others: SearchedPlace[] = [];
+  private asked = "";
 
   constructor(
     private readonly store: AppStore,
@@ -58,7 +55,10 @@ export class Search {
   ) {
     const { input } = this;
     input.addEventListener("input", () => this.lookUp());
-    input.addEventListener("focus", () => this.lookUp());
+    input.addEventListener("focus", () => {
+      this.lookUp();
+      void this.loadOthers();
+    });
     input.addEventListener("blur", () => this.close());
     input.addEventListener("keydown", (event) => this.keyPressed(event));
   }
@@ -68,13 +68,44 @@ export class Search {
     this.results =
       at !== null
         ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
-        : matchingPlaces(this.store.state.places, this.input.value).map((place) => ({
+        : matchingPlaces(this.allPlaces(), this.input.value).map((place) => ({
             title: place.name,
-            detail: place.population ? whole(place.population) : "",
+            detail: place.sceneTitle ?? (place.population ? whole(place.population) : ""),
             place,
           }));
     this.active = this.results.length > 0 ? 0 : -1;
     this.render();
+  }
+
+  private allPlaces(): SearchedPlace[] {
+    const { places } = this.store.state;
+    const isThere = (other: SearchedPlace) =>
+      places.some(
+        ({ name, latitude_deg, longitude_deg }) =>
+          name === other.name &&
+          Math.abs(latitude_deg - other.latitude_deg) < SAME_PLACE_DEG &&
+          Math.abs(longitude_deg - other.longitude_deg) < SAME_PLACE_DEG,
+      );
+    return [...places, ...this.others.filter((other) => !isThere(other))];
+  }
+
+  private async loadOthers(): Promise<void> {
+    const { scenes, scene } = this.store.state;
+    const others = scenes.filter(({ id }) => id !== scene).slice(0, MAX_SCENES);
+    const asked = JSON.stringify(others.map(({ id, version }) => [id, version]));
+    if (asked === this.asked) return;
+    this.asked = asked;
+    const { signal } = new AbortController();
+    // A scene whose places do not come is not searched.
+    const found = await Promise.all(
+      others.map(async ({ id, title }) => {
+        const places = await api.places(id, signal).catch((): NamedPlace[] => []);
+        return places.map((place) => ({ ...place, sceneTitle: title }));
+      }),
+    );
+    if (this.asked !== asked) return;
+    this.others = found.flat();
+    if (document.activeElement === this.input) this.lookUp();
   }
 
   private render(): void {
@@ -109,7 +140,8 @@ export class Search {
     if (result === undefined) return;
     this.input.value = result.title;
     this.close();
-    this.input.blur();
+    // On a phone the keyboard goes away; elsewhere who types goes on from here.
+    if (matchMedia("(pointer: coarse)").matches) this.input.blur();
     this.chosen({ latitude_deg: result.place.latitude_deg, longitude_deg: result.place.longitude_deg });
   }
 

@@ -1,6 +1,7 @@
 // Switches that are no part of a link: red light, the enlarged sky and the language.
 
 import { LANGUAGES, switchLanguage, words } from "../language/words.ts";
+import type { AppStore } from "../state/app-store.ts";
 import { byId } from "./dom.ts";
 import { loadSetting, saveSetting } from "./storage.ts";
 
@@ -25,9 +26,9 @@ function wireLanguage(): void {
 }
 
 /** Narrower than this, the panel of layers would hide the map. */
-const NARROW = "(max-width: 860px)";
+const NARROW = "(max-width: 1099px)";
 
-export function mountSwitches(resized: () => void): void {
+export function mountSwitches(store: AppStore, resized: () => void): void {
   byId("layers", HTMLDetailsElement).open = !matchMedia(NARROW).matches;
   wireToggle("red-light", loadSetting(RED_LIGHT_KEY) === "on", (on) => {
     document.documentElement.classList.toggle("red-light", on);
@@ -38,5 +39,13 @@ export function mountSwitches(resized: () => void): void {
     byId("enlarge", HTMLButtonElement).textContent = on ? words().sky.showMap : words().sky.enlarge;
     resized();
   });
+  const leaveByEscape = ({ key }: KeyboardEvent) => {
+    const { isDrawing, pointed } = store.state;
+    // Escape first ends what is under way in the sky or in the search box.
+    const isNeeded = isDrawing || pointed !== null || document.activeElement?.getAttribute("aria-expanded") === "true";
+    const isEnlarged = document.body.classList.contains("enlarged");
+    if (key === "Escape" && isEnlarged && !isNeeded) byId("enlarge", HTMLButtonElement).click();
+  };
+  addEventListener("keydown", leaveByEscape, { capture: true });
   wireLanguage();
 }

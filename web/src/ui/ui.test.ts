@@ -11,7 +11,7 @@ import { scaleEnds } from "./layer-legend.ts";
 import { distanceAndBearing, placeName } from "./nearby.ts";
 import { terrainTitle } from "./numbers.ts";
 import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";
-import { matchingPlaces, placeFromText } from "./search.ts";
+import { matchingPlaces } from "./search.ts";
 
 const NAIROBI = { name: "Nairobi", latitude_deg: -1.286, longitude_deg: 36.817, population: 4_400_000 };
 const PLACES = [
@@ -21,14 +21,6 @@ const PLACES = [
   { name: "Murang'a", latitude_deg: -0.72, longitude_deg: 37.15, population: 110_000 },
   { name: "Zürich", latitude_deg: 47.37, longitude_deg: 8.54, population: null },
 ];
-
-/** Coordinates are read latitude first, with signs or letters. */
-test("coordinates are latitude first", () => {
-  assert.deepEqual(placeFromText("-1.29, 36.82"), { latitude_deg: -1.29, longitude_deg: 36.82 });
-  assert.deepEqual(placeFromText("1.29°S 36.82°E"), { latitude_deg: -1.29, longitude_deg: 36.82 });
-  assert.equal(placeFromText("91, 10"), null);
-  assert.equal(placeFromText("Nairobi"), null);
-});
 
 /** Names that begin with the text come first, larger ones before smaller, accents ignored. */
 test("names that begin with the text come first", () => {

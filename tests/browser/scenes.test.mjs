@@ -1,0 +1,77 @@
+// Which scene is shown: that of the place, real data before the demo.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { assertNoFaults, DESKTOP, getJson, openPage, skyShown } from "./support/browser.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
+
+/** A server with a measured scene of the north besides the demo, which answers for both. */
+async function withNorth(context) {
+  const [west, , east, north] = here.scene.bounds;
+  const bounds = [west, north - 1, east, north + 8];
+  const measured = { ...here.scene, id: "north", title: "The measured north", illustrative: false, bounds };
+  await context.route("**/api/v1/scenes", (route) => route.fulfill({ json: [here.scene, measured] }));
+  const inNorth = { name: "Nordheim", latitude_deg: north + 4, longitude_deg: (west + east) / 2, population: 12_000 };
+  await context.route("**/api/v1/scenes/north/**", async (route) => {
+    const url = new URL(route.request().url());
+    if (url.pathname.endsWith("/places")) return route.fulfill({ json: [inNorth] });
+    // The demo's sky serves.
+    url.pathname = url.pathname.replace("/north/", `/${here.scene.id}/`);
+    url.searchParams.set("lat", String(here.beside.latitude_deg));
+    return route.fulfill({ response: await route.fetch({ url: url.href }) });
+  });
+  return inNorth;
+}
+
+/** Measured data is shown first, and a place outside it in the scene that has it. */
+test("real data comes before the demo", async () => {
+  const context = await browser.newContext(DESKTOP);
+  await withNorth(context);
+  const page = await context.newPage();
+  await page.goto(`${process.env.SKYGLOW_URL}/`);
+  await page.waitForSelector("#map[data-basemap]");
+  await page.waitForFunction(() => document.querySelector("#scene").value === "north");
+  const { latitude_deg, longitude_deg } = here.beside;
+  await page.fill("#search", `${latitude_deg}, ${longitude_deg}`);
+  await page.press("#search", "Enter");
+  await skyShown(page);
+  assert.equal(inLink(page, "scene"), here.scene.id);
+  await page.goto("about:blank");
+  await page.goto(`${process.env.SKYGLOW_URL}/#lat=${latitude_deg}&lon=${longitude_deg}`);
+  await skyShown(page);
+  assert.equal(inLink(page, "scene"), here.scene.id);
+  await context.close();
+});
+
+/** The search finds places of every scene, and the browser's own place finds its scene. */
+test("search and my place know every scene", async () => {
+  const context = await browser.newContext({ ...DESKTOP, permissions: ["geolocation"] });
+  const nordheim = await withNorth(context);
+  await context.setGeolocation({ latitude: nordheim.latitude_deg, longitude: nordheim.longitude_deg });
+  const page = await context.newPage();
+  await page.goto(`${process.env.SKYGLOW_URL}/${fragment(here.town)}`);
+  await skyShown(page);
+  assert.equal(inLink(page, "scene"), here.scene.id);
+  await page.fill("#search", "nord");
+  const option = page.getByRole("option").filter({ hasText: "Nordheim" });
+  assert.match(await option.textContent(), /The measured north/);
+  await option.click();
+  await page.waitForFunction(() => location.hash.includes("scene=north"));
+  await skyShown(page);
+  assert.equal(await page.title(), "Nordheim – Skyglow");
+  await page.goto("about:blank");
+  await page.goto(`${process.env.SKYGLOW_URL}/${fragment(here.town)}`);
+  await skyShown(page);
+  await page.click("#locate");
+  await page.waitForFunction(() => location.hash.includes("scene=north"));
+  await skyShown(page);
+  await context.close();
+});
+
+test("one scene needs no choice of scenes", async () => {
+  const opened = await openPage(browser);
+  const { page, context } = opened;
+  const scenes = await getJson("scenes");
+  assert.equal(await page.locator(".scene-field").isVisible(), scenes.length > 1);
+  assertNoFaults(opened);
+  await context.close();
+});

@@ -1,0 +1,96 @@
+// One sentence first: what the sky is like, in plain words.
+
+import type { NightSky, SkyAnswer } from "../api/types.ts";
+import { words } from "../language/words.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId, make } from "./dom.ts";
+import { whole } from "./format.ts";
+
+/** With less of the surroundings known than this, a sky may be brighter than it is told. */
+export const WELL_KNOWN = 0.9;
+/** Artificial light at the zenith over the natural one: below it nobody sees a difference. */
+const PRISTINE_RATIO = 0.01;
+/** Weber's contrast of the Milky Way with the sky beside it: from each on it is told as the next. */
+const MILKY_WAY_CONTRASTS = [0.05, 0.15, 0.4] as const;
+/** The eye's limit overhead from which the Milky Way is told as the next, where no time says where it is. */
+const MILKY_WAY_LIMITS_MAG = [5, 5.6, 6.2] as const;
+/** The Sun's upper limb is at the horizon, by standard refraction. */
+const SUN_SETS_DEG = -0.833;
+
+type Summarized = Pick<SkyAnswer, "sky" | "coverage" | "night_sky">;
+
+/** How many of ascending limits a value reaches. */
+function reached(value: number, limits: readonly number[]): number {
+  return limits.filter((limit) => value >= limit).length;
+}
+
+/** A number of stars as people say it: 3, 87, 640, 2 400. */
+export function aboutStars(count: number): string {
+  return whole(count < 100 ? count : Number(count.toPrecision(2)));
+}
+
+/** Whether the light of Sun or Moon at the zenith is more than that of lamps. */
+export function dominantLight({ components }: NightSky, artificialCdM2: number): "sun" | "moon" | null {
+  const at = (name: string) => components.find(({ component }) => component === name)?.zenith_luminance_cd_m2 ?? 0;
+  const [sun, moon] = [at("sun"), at("moon")];
+  if (Math.max(sun, moon) <= artificialCdM2) return null;
+  // A trace of twilight is none.
+  const rest = components.reduce((sum, { zenith_luminance_cd_m2 }) => sum + zenith_luminance_cd_m2, 0) - sun - moon;
+  return Math.max(sun, moon) < rest ? null : sun > moon ? "sun" : "moon";
+}
+
+/** What the sky is like, without whose light it is. */
+function quality({ sky, coverage, night_sky }: Summarized): string {
+  const say = words().summary;
+  const known = whole(Math.round(100 * coverage));
+  const bortleClass = sky.bortle_class ?? null;
+  if (bortleClass === null) return say.overcast;
+  const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
+  if (night_sky != null && light === "sun") {
+    const { true_altitude_deg: altitudeDeg } = night_sky.sun;
+    return altitudeDeg > SUN_SETS_DEG ? say.daylight : say.twilight(whole(Math.round(-altitudeDeg)));
+  }
+  const isKnown = coverage >= WELL_KNOWN;
+  if (night_sky != null && light === "moon") {
+    const { illuminated_fraction, apparent_altitude_deg } = night_sky.moon;
+    const moonlit = say.moonlit(whole(Math.round(100 * illuminated_fraction)), whole(Math.round(apparent_altitude_deg)));
+    return isKnown ? moonlit : `${moonlit} ${say.knownOnly(known)}`;
+  }
+  const name = say.quality[bortleClass - 1] ?? "";
+  if (!isKnown) return say.atLeast(name, known);
+  return sky.ratio_to_natural < PRISTINE_RATIO ? say.pristine : say.known(name);
+}
+
+function milkyWay({ sky, night_sky }: Summarized): string {
+  const say = words().summary;
+  if (night_sky != null) {
+    if (night_sky.milky_way == null) return "";
+    return say.milkyWay[reached(night_sky.milky_way.contrast, MILKY_WAY_CONTRASTS)] ?? "";
+  }
+  return say.milkyWay[reached(sky.naked_eye_limit_mag ?? 0, MILKY_WAY_LIMITS_MAG)] ?? "";
+}
+
+/** The sentences, the first of which says most. */
+export function summaryOf(answer: Summarized): string[] {
+  const { sky, night_sky } = answer;
+  const say = words().summary;
+  const first = quality(answer);
+  if (sky.bortle_class == null) return [first];
+  const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
+  if (isDay) return [first];
+  const stars = night_sky == null ? "" : say.stars(aboutStars(night_sky.stars.visible), aboutStars(night_sky.stars.above_horizon));
+  return [first, milkyWay(answer), stars].filter((sentence) => sentence !== "");
+}
+
+export function mountSummary(store: AppStore): void {
+  const container = byId("summary", HTMLElement);
+  store.watch(["answer", "site"], ({ answer, site }) => {
+    // It stays while the next one is on its way: what is read aloud is a sentence, not a gap.
+    if (answer === null) {
+      if (site === null) container.replaceChildren();
+      return;
+    }
+    const [first = "", ...others] = summaryOf(answer);
+    container.replaceChildren(make("strong", "", first), ...others.map((sentence) => ` ${sentence}`));
+  });
+}

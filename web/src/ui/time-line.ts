@@ -1,0 +1,154 @@
+// The line of a night: its twilights, its Moon and its dark part, and the time on it that the sky is shown at.
+
+import type { Night } from "../api/types.ts";
+import { eveningOfState } from "../data/night-session.ts";
+import { words } from "../language/words.ts";
+import {
+  type Clock,
+  clockAt,
+  clockTime,
+  darkestOf,
+  darknessAt,
+  darknessOf,
+  hoursText,
+  MINUTE_MS,
+  moonParts,
+  type Part,
+  rangeOf,
+  timeOf,
+} from "../night/time.ts";
+import type { AppState } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { byId, debounced, make } from "./dom.ts";
+import { whole } from "./format.ts";
+
+const HOUR_MS = 60 * MINUTE_MS;
+const DAY_MS = 24 * HOUR_MS;
+/** A slider at rest for this long changes the sky. */
+const WAIT_MS = 60;
+/** Hours that are written below the line are at least this part of its length apart. */
+const MIN_HOUR_STEP = 0.11;
+
+export class TimeLine {
+  private readonly slider = byId("time", HTMLInputElement);
+  private readonly date = byId("night-date", HTMLInputElement);
+  private readonly told = byId("time-told", HTMLOutputElement);
+  private readonly none = byId("time-none", HTMLButtonElement);
+
+  constructor(private readonly store: AppStore) {
+    const setSoon = debounced(WAIT_MS, (time: string) => store.set({ time }));
+    this.slider.addEventListener("input", () => {
+      const time = timeOf(Number(this.slider.value) * MINUTE_MS);
+      this.showTime({ ...store.state, time });
+      setSoon(time);
+    });
+    this.date.addEventListener("change", () => this.chooseDate(this.date.value));
+    byId("time-now", HTMLButtonElement).addEventListener("click", () => store.set({ time: timeOf(Date.now()) }));
+    byId("time-darkest", HTMLButtonElement).addEventListener("click", () => {
+      const { night } = store.state;
+      if (night !== null) store.set({ time: timeOf(darkestOf(night)) });
+    });
+    this.none.addEventListener("click", () => {
+      setSoon.cancel();
+      store.set({ time: null });
+    });
+    store.watch(["night"], ({ night, place }) => {
+      byId("time-line", HTMLElement).hidden = night === null;
+      if (night !== null && place !== null) this.showNight(night, place.longitude_deg);
+    });
+    store.watch(["time", "night"], (state) => this.showTime(state));
+  }
+
+  /** The same hour of another night; without a time its middle. */
+  private chooseDate(date: string): void {
+    const { place, time } = this.store.state;
+    const before = eveningOfState(this.store.state);
+    if (place === null || before === null || Number.isNaN(Date.parse(date))) return;
+    const middleMs = Date.parse(date) + DAY_MS * (1 - place.longitude_deg / 360);
+    const sameHourMs = time === null ? middleMs : Date.parse(time) + Date.parse(date) - Date.parse(before);
+    this.store.set({ time: timeOf(sameHourMs) });
+  }
+
+  private showNight(night: Night, longitudeDeg: number): void {
+    const range = rangeOf(night);
+    const at = ({ fromMs, untilMs }: Part, className: string): HTMLElement => {
+      const part = make("i", className);
+      const [left, right] = [fromMs, untilMs].map((ms) => (ms - range.fromMs) / (range.untilMs - range.fromMs));
+      part.style.left = `${100 * Math.max(left ?? 0, 0)}%`;
+      part.style.right = `${100 * (1 - Math.min(right ?? 1, 1))}%`;
+      return part;
+    };
+    byId("night-parts", HTMLElement).replaceChildren(
+      ...darknessOf(night).map((part) => at(part, `night-${part.darkness}`)),
+      ...moonParts(night)
+        .filter(({ fromMs, untilMs }) => untilMs > range.fromMs && fromMs < range.untilMs)
+        .map((part) => at(part, "night-moon")),
+    );
+    const clock = clockAt(range.fromMs, longitudeDeg);
+    byId("night-hours", HTMLElement).replaceChildren(...hourMarks(range, clock));
+    byId("night-told", HTMLElement).textContent = nightText(night, clock);
+    this.date.value = night.date;
+    this.slider.min = String(Math.ceil(range.fromMs / MINUTE_MS));
+    this.slider.max = String(Math.floor(range.untilMs / MINUTE_MS));
+  }
+
+  private showTime({ time, night, place }: Readonly<AppState>): void {
+    this.none.setAttribute("aria-pressed", String(time === null));
+    this.slider.classList.toggle("no-time", time === null);
+    if (night === null || place === null) return;
+    const atMs = time === null ? darkestOf(night) : Date.parse(time);
+    if (document.activeElement !== this.slider || time === null) this.slider.value = String(Math.round(atMs / MINUTE_MS));
+    const text = time === null ? words().time.noneTold : timeText(night, atMs, clockAt(atMs, place.longitude_deg));
+    this.told.value = text;
+    this.slider.setAttribute("aria-valuetext", text);
+  }
+}
+
+/** The time, the Sun and the Moon. */
+function timeText(night: Night, atMs: number, clock: Clock): string {
+  const say = words().time;
+  const isMoonUp = moonParts(night).some(({ fromMs, untilMs }) => atMs >= fromMs && atMs <= untilMs);
+  const sky = [say.darkness[darknessAt(night, atMs)], ...(isMoonUp ? [say.moonUp] : [])].join(", ");
+  return say.told(clockTime(atMs, clock), clock.name, sky);
+}
+
+/** When it is dark, and how the Moon is. */
+export function nightText(night: Night, clock: Clock): string {
+  const { dark_intervals, dark_hours, moon } = night;
+  const range = rangeOf(night);
+  const say = words().time;
+  const at = (utc: string) => clockTime(Date.parse(utc), clock);
+  const parts = dark_intervals.map(({ from_utc, until_utc }) => `${at(from_utc)}–${at(until_utc)}`).join(", ");
+  const dark = parts === "" ? say.neverDark : say.dark(hoursText(dark_hours), parts);
+  // What the Moon does by day is no part of the night.
+  const events = [
+    ...moon.rises_utc.map((utc) => ({ utc, text: say.rises(at(utc)) })),
+    ...moon.sets_utc.map((utc) => ({ utc, text: say.sets(at(utc)) })),
+  ]
+    .filter(({ utc }) => Date.parse(utc) >= range.fromMs && Date.parse(utc) <= range.untilMs)
+    .sort((a, b) => Date.parse(a.utc) - Date.parse(b.utc))
+    .map(({ text }) => text);
+  const phase = say.moon(say.phases[moon.phase], whole(Math.round(100 * moon.illuminated_fraction)));
+  return `${dark} ${[phase, ...events].join(", ")}.`;
+}
+
+/** Sunset, sunrise, and whole hours between them. */
+function hourMarks({ fromMs, untilMs }: Part, clock: Clock): HTMLElement[] {
+  const lengthMs = untilMs - fromMs;
+  const step = [1, 2, 3, 4, 6].find((hours) => (hours * HOUR_MS) / lengthMs >= MIN_HOUR_STEP) ?? 12;
+  const localMs = (ms: number) => ms + clock.offsetMinutes * MINUTE_MS;
+  const marks: HTMLElement[] = [];
+  const mark = (atMs: number, text: string, className: string) => {
+    const element = make("span", className, text);
+    element.style.left = `${(100 * (atMs - fromMs)) / lengthMs}%`;
+    marks.push(element);
+  };
+  mark(fromMs, clockTime(fromMs, clock), "first");
+  const first = Math.ceil(localMs(fromMs) / (step * HOUR_MS)) * step * HOUR_MS - clock.offsetMinutes * MINUTE_MS;
+  for (let ms = first; ms < untilMs; ms += step * HOUR_MS) {
+    const isFree = Math.min(ms - fromMs, untilMs - ms) / lengthMs >= MIN_HOUR_STEP;
+    if (isFree) mark(ms, clockTime(ms, clock), "");
+  }
+  mark(untilMs, clockTime(untilMs, clock), "last");
+  return marks;
+}
