@@ -50,7 +50,7 @@ test("the lights that cause a sky are a layer", async () => {
   await page.check("#layer-influence");
   await layerShown(page, "influence");
   const zenith = await page.locator("#layer-note-influence").textContent();
-  assert.match(zenith ?? "", /1\/10,000.*cd\/m² a pixel/);
+  assert.match(zenith ?? "", /1\/10,000.*cd\/m² from one light/);
   await page.waitForTimeout(1500);
   await shot(page, "influence");
   await page.selectOption("#measure", "horizontal");
@@ -58,7 +58,7 @@ test("the lights that cause a sky are a layer", async () => {
     const note = document.querySelector("#layer-note-influence");
     return note.dataset.state === "shown" && note.textContent !== text;
   }, zenith);
-  assert.match((await page.locator("#layer-note-influence").textContent()) ?? "", /lx a pixel/);
+  assert.match((await page.locator("#layer-note-influence").textContent()) ?? "", /lx from one light/);
   assert.ok(asked.some((path) => /tiles\/influence\/tilejson\.json\?.*measure=horizontal/.test(path)));
   assert.match(page.url(), /measure=horizontal/);
   // A link brings it back.

@@ -72,7 +72,7 @@ test("what sees the sky is chosen", async () => {
   }
   await page.check("#layer-influence");
   await page.waitForSelector("#layer-note-influence[data-state=shown]");
-  assert.match(await page.locator("#layer-note-influence").textContent(), /cd\/m² a pixel.*Eye adapted to the dark/);
+  assert.match(await page.locator("#layer-note-influence").textContent(), /cd\/m² from one light.*Eye adapted to the dark/);
   assert.ok(asked.some((path) => /tiles\/influence\/tilejson.*response=scotopic/.test(path)));
   // The satellite's unit is its own.
   await page.selectOption("#response", "dnb");

@@ -4,7 +4,7 @@ import { before, test } from "node:test";
 import { assertNoFaults, getJson, openPage, SERVER, skyShown } from "./support/browser.mjs";
 import { browser, here } from "./support/stage.mjs";
 
-const TITLES = { multiple: "all orders", single: "first order alone" };
+const TITLES = { multiple: "as often as it happens", single: "once only" };
 
 let packs;
 let best;
@@ -65,7 +65,7 @@ test("first-order light can be chosen", async () => {
   assert.equal(await said(page), TITLES.multiple);
   assert.match(await page.locator("[data-value=scattering]").textContent(), /albedo 0\.15/);
   assert.equal(await page.locator("#turbidity").getAttribute("max"), "4");
-  await page.getByLabel("Scattering").selectOption("first order alone");
+  await page.getByLabel("Scattering").selectOption("once only");
   await page.waitForFunction((title) => document.querySelector("[data-value=scattering] b")?.textContent === title, TITLES.single);
   assert.ok(asked.includes(null) && asked.includes("single"), `${asked}`);
   assert.match(page.url(), /turbidity=3&scattering=single/, "3.6 is beyond the packs of the first order");
@@ -74,7 +74,7 @@ test("first-order light can be chosen", async () => {
   await skyShown(page);
   assert.equal(await said(page), TITLES.single);
   assert.equal(await page.getByLabel("Scattering").inputValue(), "single");
-  await page.getByLabel("Scattering").selectOption("all orders");
+  await page.getByLabel("Scattering").selectOption("as often as it happens");
   await page.waitForFunction(
     (title) => document.querySelector("[data-value=scattering] b")?.textContent === title,
     TITLES.multiple,

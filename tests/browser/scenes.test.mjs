@@ -75,3 +75,19 @@ test("one scene needs no choice of scenes", async () => {
   assertNoFaults(opened);
   await context.close();
 });
+
+/** A server without scenes says how one is added, and offers no place, plan or paint. */
+test("an empty server offers no place", async () => {
+  const context = await browser.newContext(DESKTOP);
+  await context.route("**/api/v1/scenes", (route) => route.fulfill({ json: [] }));
+  const page = await context.newPage();
+  await page.goto(`${process.env.SKYGLOW_URL}/`);
+  await page.waitForSelector("#map[data-basemap]");
+  await page.getByRole("button", { name: "Close this message" }).click();
+  await page.fill("#search", "46, 8");
+  await page.press("#search", "Enter");
+  await page.getByRole("alert").getByText("no scene yet").waitFor();
+  assert.equal(await page.locator(".pin").count(), 0);
+  assert.ok((await page.locator("#plan-card").isHidden()) && (await page.locator("#paint-card").isHidden()));
+  await context.close();
+});

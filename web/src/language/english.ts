@@ -59,7 +59,7 @@ export const english = {
     highest: "6000 m and more",
     /** `times`: "40 ×" or "1 %". */
     ofNatural: (times: string) => `${times} the natural sky`,
-    aPixel: (quantity: string) => `${quantity} a pixel`,
+    aPixel: (quantity: string) => `${quantity} from one light`,
   },
   /** What of the sky a light has its part in. */
   measures: {
@@ -91,7 +91,6 @@ export const english = {
       "Draw around a part of the sky, and the map shows the lights that cause it. By keyboard: arrows move the cross, Enter sets a corner, Enter twice closes the curve, Escape ends.",
     enlarge: "Enlarge",
     showMap: "Show the map",
-    changed: "Changed",
     split: "How far the sky and the map of today reach from the left",
     waiting: "Adding up the light…",
     pictureKind: "sky picture",
@@ -313,8 +312,8 @@ export const english = {
     method: "How lights are chosen",
     target: "For a goal",
     threshold: "By influence",
-    lowerPercentile: "Left alone: the pixels of least influence",
-    upperPercentile: "Dimmed in full: those beyond",
+    lowerPercentile: "Left as they are: the weakest",
+    upperPercentile: "Dimmed most: all beyond",
     gamma: "They lose",
     findThreshold: "Dim them",
     reduction: "Darker by",
@@ -328,6 +327,7 @@ export const english = {
     light: (share: string, flux: string, dimmed: string, lit: string) =>
       `This takes ${share} of the light within 300 km (${flux} upward, as the satellite sees it), from ${dimmed} of ${lit} lit pixels.`,
     listed: (count: string) => `The map shows the ${count} with the most effect; the files hold them all.`,
+    marked: "On the map they are cyan, the brighter the more they lose.",
     towns: "Whose light that is",
     far: "Far from any town",
     more: (count: number) => `${count} more`,
@@ -378,7 +378,7 @@ export const english = {
     noClouds: "none, a clear sky",
     closedClouds: (baseM: number) => `closed, from ${baseM} m up`,
     lamps: "Lamps",
-    emission: "Light sent",
+    emission: "Shielding of the lamps",
     emissionShares: "Shares of their light",
     directUplight: "Straight above the horizon",
     groundReflectance: "Of the rest, back from the ground",
@@ -427,8 +427,8 @@ export const english = {
     full_cutoff: "shielded: none to the horizon",
   },
   scatterings: {
-    multiple: "all orders",
-    single: "first order alone",
+    multiple: "as often as it happens",
+    single: "once only",
   },
   downloads: {
     title: "Take it along",
@@ -469,7 +469,7 @@ export const english = {
     noMap: (why: string) => `The map cannot be drawn here (${why}). Search for a place or coordinates instead.`,
     noClouds: (baseM: number) => `This server has no tables for clouds from ${baseM} m up; showing a clear sky instead.`,
     noScattering: (scattering: string, shown: string) =>
-      `This server has no tables for scattering of ${scattering}; showing ${shown} instead.`,
+      `This server has no tables for scattering “${scattering}”; showing “${shown}” instead.`,
   },
 };
 

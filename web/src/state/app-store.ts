@@ -1,6 +1,7 @@
 // The viewer's store: what a link holds of its state is in the page's address, and comes back with the browser's history.
 
 import { isWithoutAnswer } from "../api/problem.ts";
+import { words } from "../language/words.ts";
 import type { Region } from "../sky/region.ts";
 import { Store } from "../store.ts";
 import { debounced } from "../ui/dom.ts";
@@ -46,6 +47,11 @@ export class AppStore extends Store<AppState> {
   /** Shows a place, in the scene that has it. */
   pick(place: Place): void {
     const { state } = this;
+    // The list of packs comes with that of scenes.
+    if (state.scenes.length === 0 && state.atmospheres.length > 0) {
+      this.report(new Error(words().problems.noScenes));
+      return;
+    }
     const scene = sceneFor(state, place);
     const isOther = scene !== null && scene.id !== state.scene;
     this.push({ place, problem: null, ...(isOther ? { scene: scene.id, scenario: null } : {}) });

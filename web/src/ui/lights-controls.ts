@@ -24,6 +24,9 @@ export function mountLightsControls(store: AppStore): void {
   });
   store.watch([scenarioOf], (state) => {
     const { withPlan, asPainted } = words().sky;
-    byId("lights-changed", HTMLButtonElement).textContent = scenarioOf(state) === null ? withPlan : asPainted;
+    // One name for one thing: beside the slider too.
+    const name = scenarioOf(state) === null ? withPlan : asPainted;
+    byId("lights-changed", HTMLButtonElement).textContent = name;
+    byId("split-changed", HTMLElement).textContent = name;
   });
 }

@@ -115,7 +115,7 @@ export class PlanCard {
       ),
     );
     const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", words().plan.listed(whole(LISTED_PIXELS)))] : [];
-    return [...sites, light, ...more, ...towns(plan.pixels, places), files(plan.id)];
+    return [...sites, light, make("p", "lead", words().plan.marked), ...more, ...towns(plan.pixels, places), files(plan.id)];
   }
 
   private drop(): HTMLElement {

@@ -46,7 +46,7 @@ test("what is unknown is said in the sentence", () => {
   assert.match(moonlit, /Moon.*only 50 %/);
 });
 
-test("Sun and Moon come before the lamps they outshine", () => {
+test("Sun and Moon come before lamps they outshine", () => {
   assert.equal(
     summaryOf(answerOf({}, 1, nightOf({ moon: 1e-3, airglow: 1e-4 }, -40, 34.2, null)))[0],
     "Moonlit sky: the Moon, 87 % lit and 34° up, outshines the lamps.",

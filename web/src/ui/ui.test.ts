@@ -76,7 +76,7 @@ test("each scattering has its own turbidities", () => {
   assert.deepEqual(residentScatterings(firstOrder), ["single"]);
   assert.deepEqual(turbidityRange(firstOrder, null), [1.5, 6]);
   assert.equal(turbidityRange(firstOrder, "multiple"), null);
-  assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["all orders", "first order alone"]);
+  assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["as often as it happens", "once only"]);
 });
 
 /** Clouds are those that there are packs for, and their packs are no clear sky's. */
@@ -134,13 +134,13 @@ test("the ends of a layer's colours have units", () => {
   ]);
   assert.deepEqual(scaleEnds("influence", { range: [2e-10, 2e-6], unit: "cd m-2" }, "photopic"), [
     "1/10,000",
-    "2.00 µcd/m² a pixel",
+    "2.00 µcd/m² from one light",
   ]);
   assert.deepEqual(scaleEnds("elevation", { range: null, unit: "m" }, "photopic"), ["0 m", "6000 m and more"]);
   const dark = { range: [4e-6, 0.016], unit: "cd m-2" };
   assert.deepEqual(scaleEnds("brightness", dark, "scotopic"), ["4.00 µcd/m²", "16.0 mcd/m²"]);
   const satellite = { range: [2e-8, 2e-4], unit: "nW cm-2 sr-1" };
-  assert.deepEqual(scaleEnds("influence", satellite, "dnb"), ["1/10,000", "200 fW/cm²/sr a pixel"]);
+  assert.deepEqual(scaleEnds("influence", satellite, "dnb"), ["1/10,000", "200 fW/cm²/sr from one light"]);
 });
 
 /** Every lamp is offered once, in groups, told apart by its colour temperature. */
