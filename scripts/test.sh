@@ -82,6 +82,7 @@ all)
     part "viewer: built form matches its sources" in_web npm run test:dist
     part "viewer: in the browser" scripts/browser_tests.sh
     part "generated client" scripts/generated_client.sh
+    part "Python package" scripts/python_package.sh
     ;;
 *)
     echo "usage: $0 [check|browser|all]" >&2

@@ -8,7 +8,7 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 13] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -22,6 +22,7 @@ const DOCUMENTS: [&str; 13] = [
     "docs/security.md",
     "deploy/README.md",
     "precomputed/README.md",
+    "python/README.md",
 ];
 
 /// Commands of `make` in the documents are in the Makefile.
