@@ -75,7 +75,7 @@ test("a plan makes the zenith darker", async () => {
   const line = await page.locator(".swipe-handle").boundingBox();
   await page.mouse.move(line.x + line.width / 2, line.y + line.height / 2);
   await page.mouse.down();
-  await page.mouse.move(line.x + line.width / 2 + 200, line.y + line.height / 2, { steps: 4 });
+  await page.mouse.move(line.x + line.width / 2 + 60, line.y + line.height / 2, { steps: 4 });
   await page.mouse.up();
   assert.ok(Number(await page.locator("#split").inputValue()) > 60);
   assert.equal(
