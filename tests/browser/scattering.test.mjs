@@ -95,7 +95,7 @@ test("a link to absent scattering shows the best", async () => {
   // From another page: within the viewer the link would be put right at once, before the tables are asked for.
   await page.goto("about:blank");
   await page.goto(`${SERVER}/${fragment(`&scattering=${absent}`)}`);
-  const alert = page.getByRole("alert").filter({ hasText: `no tables for scattering of ${TITLES[absent]}` });
+  const alert = page.getByRole("alert").filter({ hasText: `no tables for scattering “${TITLES[absent]}”` });
   await alert.waitFor();
   await skyShown(page);
   assert.equal(await said(page), TITLES[best]);
