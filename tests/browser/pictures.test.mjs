@@ -36,7 +36,7 @@ const sideBySide = (page, picture, directions) =>
 
 /** The sky as a camera sees it is the server's at the same exposure, which stays where it is put. */
 test("the realistic picture is the server's", async () => {
-  const opened = await openPage(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside, "&sky=artificial&colours=inferno"));
   const { page, context } = opened;
   await skyShown(page);
   assert.ok(await page.locator("#exposure-field").isHidden());
@@ -79,7 +79,7 @@ test("the realistic picture is the server's", async () => {
 
 /** Numbers, readout and legend come in magnitudes, luminance or times the natural sky. */
 test("every unit shows in numbers and legend", async () => {
-  const opened = await openPage(browser, fragment(here.beside));
+  const opened = await openPage(browser, fragment(here.beside, "&sky=artificial&colours=inferno"));
   const { page, context } = opened;
   await skyShown(page);
   const { sky } = await getJson(skyPath(here.scene, "sky", here.beside));

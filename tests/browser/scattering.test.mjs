@@ -21,12 +21,16 @@ const said = (page) => page.locator("[data-value=scattering] b").textContent();
 async function pretend(page, pretended) {
   const asked = [];
   await page.route("**/api/v1/atmospheres", (route) => route.fulfill({ json: pretended }));
-  await page.route(/\/(sky|panorama\.json)\?/, async (route) => {
+  await page.route(/\/(sky|panorama\.sky)\?/, async (route) => {
     const url = new URL(route.request().url());
     const wanted = url.searchParams.get("scattering");
     asked.push(wanted);
     url.searchParams.delete("scattering");
     const response = await fetch(url);
+    if (url.pathname.endsWith(".sky")) {
+      await route.fulfill({ body: Buffer.from(await response.arrayBuffer()) });
+      return;
+    }
     const scattering = wanted ?? "multiple";
     const json = { ...(await response.json()), scattering, ground_albedo: scattering === "multiple" ? 0.15 : null };
     await route.fulfill({ json });

@@ -30,14 +30,15 @@ test("a time shows the sky of that time", async () => {
   assert.match(await text(page, "component_airglow"), new RegExp(`^${airglow.zenith_brightness_mag_arcsec2.toFixed(2)} `));
   assert.equal(await told(page), "23:00 UTC: night");
   assert.equal(await page.inputValue("#night-date"), "2026-08-12");
-  // The picture in false colour is of no time, and is not asked for again.
-  const pictures = () => asked.filter((path) => /panorama\.json/.test(path)).length;
+  // The picture is of the time too.
+  const pictures = () => asked.filter((path) => /panorama\.sky/.test(path)).length;
   const before = pictures();
   await page.getByRole("button", { name: "No time" }).click();
   await totalShown(page, await getJson(skyPath(here.scene, "sky", here.beside)));
   assert.equal(inLink(page, "time"), null);
   assert.equal(await page.locator("#night-sky").count(), 0);
-  assert.equal(pictures(), before);
+  await skyShown(page);
+  assert.equal(pictures(), before + 1);
   await shot(page, "time");
   assertNoFaults(opened);
   await context.close();

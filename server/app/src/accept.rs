@@ -1,6 +1,8 @@
 //! Formats of the answers that come in several, and which one an Accept header prefers.
 
-use crate::parameters::{GridParameters, PanoramaParameters, Parameter, ParameterSet, RasterParameters};
+use crate::parameters::{
+    CompactParameters, GridParameters, PanoramaParameters, Parameter, ParameterSet, RasterParameters,
+};
 
 /// A format of a panorama.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,14 +17,18 @@ pub enum Format {
     Tiff,
     /// JSON.
     Json,
+    /// The compact panorama.
+    Sky,
 }
 
 /// All media types, for the refusal.
-pub const OFFERED: &str = "image/png, image/webp, image/x-exr, image/tiff or application/json";
+pub const OFFERED: &str =
+    "image/png, image/webp, image/x-exr, image/tiff, application/json or application/vnd.skyglow.sky";
 
 impl Format {
     /// In the order preferred where a client does not care.
-    const ALL: [Format; 5] = [Format::Png, Format::WebP, Format::Json, Format::Exr, Format::Tiff];
+    const ALL: [Format; 6] =
+        [Format::Png, Format::WebP, Format::Json, Format::Exr, Format::Tiff, Format::Sky];
 
     /// Its media type.
     pub const fn media_type(self) -> &'static str {
@@ -32,6 +38,7 @@ impl Format {
             Format::Exr => "image/x-exr",
             Format::Tiff => "image/tiff",
             Format::Json => "application/json",
+            Format::Sky => "application/vnd.skyglow.sky",
         }
     }
 
@@ -41,6 +48,7 @@ impl Format {
             Format::Png | Format::WebP => PanoramaParameters::ALL,
             Format::Exr | Format::Tiff => RasterParameters::ALL,
             Format::Json => GridParameters::ALL,
+            Format::Sky => CompactParameters::ALL,
         }
     }
 
@@ -52,6 +60,7 @@ impl Format {
             Format::Exr => "exr",
             Format::Tiff => "tif",
             Format::Json => "json",
+            Format::Sky => "sky",
         }
     }
 }
@@ -170,6 +179,7 @@ mod tests {
             ("image/png;q=0.1, image/webp", Some(Format::WebP)),
             ("image/*;q=0.5, application/json;q=0.9", Some(Format::Json)),
             ("IMAGE/X-EXR", Some(Format::Exr)),
+            ("application/vnd.skyglow.sky, image/png;q=0.9", Some(Format::Sky)),
             ("image/*, image/png;q=0", Some(Format::WebP)),
             ("text/html", None),
             ("image/png;q=0", None),

@@ -2,6 +2,7 @@
 
 mod assumptions;
 mod brightness;
+mod compact;
 mod influence;
 mod night_sky;
 mod panorama;
@@ -14,6 +15,7 @@ mod sky;
 
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, ResponseAnswer};
 pub use brightness::{BrightnessAssumptions, brightness_shows};
+pub use compact::{CompactDisc, CompactHeader, CompactPlane, CompactPoints, compact_panorama};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };

@@ -2,7 +2,7 @@
 
 use crate::{
     accept::Format,
-    answers::{Assumptions, PanoramaAnswer},
+    answers::{Assumptions, PanoramaAnswer, compact_panorama},
     request::PictureRequest,
 };
 use skyglow_display::{
@@ -57,6 +57,9 @@ pub fn draw(
         Format::Exr => encode_exr(&floats()?, &notes)?,
         Format::Tiff => encode_tiff(&floats()?, &notes)?,
         Format::Json => serde_json::to_vec(&PanoramaAnswer::new(assumptions, sky, view.options.sky))?,
+        Format::Sky => {
+            compact_panorama(assumptions, sky, &sky.night.as_ref().map(bodies_of).unwrap_or_default())?
+        }
     })
 }
 

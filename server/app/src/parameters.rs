@@ -336,6 +336,11 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
+    /// Those of a compact panorama, which holds artificial light and, at a time, all light.
+    CompactParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        TIME, SOLAR_FLUX, SCENARIO,
+    ];
     /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
     RasterParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,

@@ -1,8 +1,8 @@
 //! Stars, planets and the Moon in a picture: points blurred by the eye, drawn where it sees them (Crumey 2014), and discs at their true
 //! size with their phase.
 
-use crate::{eye::Seen, projection::View};
-use skyglow_physics::{Direction, Horizon, photometry::naked_eye_limit_mag};
+use crate::{eye::Seen, projection::View, sampler::Sampler};
+use skyglow_physics::{Direction, Horizon, Response, SeenSky, photometry::naked_eye_limit_mag};
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
 const EYE_BLUR_RAD: f64 = 1.1e-3;
@@ -22,6 +22,16 @@ pub struct SkyBodies {
     pub discs: Vec<Disc>,
 }
 
+impl SkyBodies {
+    /// The points that the naked eye sees before a sky, which holds all light there is.
+    pub fn seen_points(&self, sky: &SeenSky, horizon: &Horizon) -> Vec<PointLight> {
+        let Some(luminance_cd_m2) = sky.seen_by(&Response::Photopic) else { return Vec::new() };
+        let sampler = Sampler::new([luminance_cd_m2], [0.0]);
+        let background = |direction| sampler.values(direction).map(|[luminance]| luminance);
+        self.points.iter().filter(|point| point.is_seen(horizon, background)).copied().collect()
+    }
+}
+
 /// A point of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
@@ -31,6 +41,15 @@ pub struct PointLight {
     pub illuminance_lx: Seen,
     /// V that the naked eye's limit on the sky behind it is compared with.
     pub limit_mag: f64,
+}
+
+impl PointLight {
+    /// Whether it stands above the horizon and is bright enough to be seen on the sky behind it.
+    fn is_seen(&self, horizon: &Horizon, background_cd_m2: impl Fn(Direction) -> Option<f64>) -> bool {
+        let behind = background_cd_m2(self.direction);
+        behind.is_some_and(|behind_cd_m2| self.limit_mag <= naked_eye_limit_mag(behind_cd_m2))
+            && !horizon.hides(self.direction)
+    }
 }
 
 /// A disc, of which a part may be dark.
@@ -67,12 +86,8 @@ impl BodyRows {
         for disc in &bodies.discs {
             rows.add_disc(disc, view, size_px, horizon);
         }
-        for point in &bodies.points {
-            let Some(behind_cd_m2) = background_cd_m2(point.direction) else { continue };
-            let is_seen = point.limit_mag <= naked_eye_limit_mag(behind_cd_m2);
-            if is_seen && !horizon.hides(point.direction) {
-                rows.add_point(point, view, size_px);
-            }
+        for point in bodies.points.iter().filter(|point| point.is_seen(horizon, &background_cd_m2)) {
+            rows.add_point(point, view, size_px);
         }
         for row in &mut rows.0 {
             row.sort_by_key(|(x, _)| *x);

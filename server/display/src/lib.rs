@@ -3,6 +3,7 @@
 //! ```text
 //! SeenSky  -> Sampler -> picture() -> RgbImage    -> encode_png, encode_webp     (for eyes)
 //!                     -> raster()  -> FloatRaster -> encode_exr, encode_tiff     (for programs)
+//!         -> LogPlane::of_sky()                   -> encode_sky                  (for programs that draw)
 //! ```
 //! Pictures and rasters have the zenith at the top and north in column 0; [`SeenSky`] counts rows from the
 //! horizon up. Exposure and colour range are fixed by the caller or by constants here, never taken from the
@@ -35,7 +36,7 @@ pub mod tile;
 
 pub use bodies::{Disc, PointLight, SkyBodies};
 pub use colormap::Colormap;
-pub use encode::{encode_exr, encode_png, encode_tiff, encode_webp};
+pub use encode::{LogPlane, PointTable, encode_exr, encode_png, encode_sky, encode_tiff, encode_webp};
 pub use error::DisplayError;
 pub use false_colour::{ColourRange, Scale};
 pub use notes::Notes;

@@ -51,6 +51,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(panorama::get_panorama_exr))
         .routes(routes!(panorama::get_panorama_tif))
         .routes(routes!(panorama::get_panorama_json))
+        .routes(routes!(panorama::get_panorama_sky))
         .routes(routes!(sky::get_sky))
         .routes(routes!(night::get_night))
         .routes(routes!(night::list_nights))

@@ -1,6 +1,7 @@
 //! The OpenAPI document: its head, and what is the same of every operation.
 
 use crate::refusals::refusal;
+use skyglow_app::answers::CompactHeader;
 use utoipa::{
     OpenApi,
     openapi::{
@@ -28,6 +29,8 @@ use utoipa::{
         (name = "atmospheres", description = "Resident table packs"),
         (name = "operation", description = "For those who run the server"),
     ),
+    // The head of a binary answer, which no path names.
+    components(schemas(CompactHeader)),
     servers((url = "/")),
     // A key is never needed: it has a rate and a quota of its own.
     security((), ("api_key" = []), ("bearer_key" = [])),
@@ -73,9 +76,10 @@ pub(crate) fn complete(document: &mut utoipa::openapi::OpenApi) {
             }
             for response in operation.responses.responses.values_mut() {
                 let RefOr::T(response) = response else { continue };
-                let pictures =
-                    response.content.iter_mut().filter(|(media_type, _)| media_type.starts_with("image/"));
-                pictures.for_each(|(_, content)| *content = RefOr::T(bytes()));
+                let is_binary =
+                    |media_type: &str| media_type.starts_with("image/") || media_type.contains("vnd.skyglow");
+                let files = response.content.iter_mut().filter(|(media_type, _)| is_binary(media_type));
+                files.for_each(|(_, content)| *content = RefOr::T(bytes()));
             }
         }
     }

@@ -4,8 +4,9 @@ import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { compact } from "./compact.mjs";
 import { nightOf, nightSkyAt } from "./night.mjs";
-import { COLUMNS, LAMPS, quantities, RESPONSES, ROWS, radiance, TOWNS, valuesOf } from "./sky.mjs";
+import { COLUMNS, LAMPS, quantities, RESPONSES, ROWS, radiance, TOWNS } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");
@@ -113,11 +114,11 @@ function api(path, query, response) {
     if (within()) json({ terrain_altitude_m: 1700, radiance_nw_cm2_sr: 12.3, warnings: warnings(place) });
     return undefined;
   }
-  if (path === "scenes/demo/sky" || path === "scenes/demo/panorama.json") {
+  if (path === "scenes/demo/sky" || path === "scenes/demo/panorama.sky") {
     if (!within()) return undefined;
     const { errors, sky, common } = answer(query);
     if (errors !== undefined) return problem(response, 422, "A parameter is out of range", "See errors.", errors);
-    if (path.endsWith("sky")) return json(common);
+    if (path.endsWith("/sky")) return json(common);
     const grid = {
       azimuth_count: COLUMNS,
       elevation_count: ROWS,
@@ -126,15 +127,8 @@ function api(path, query, response) {
       elevation_first_deg: 45 / ROWS,
       elevation_step_deg: 90 / ROWS,
     };
-    return json({
-      ...common,
-      grid,
-      bands_nm: [680, 550, 440],
-      unit: "W m-2 sr-1",
-      radiance: sky,
-      values: valuesOf(sky, RESPONSES[common.response.name]),
-      horizon_deg: new Array(COLUMNS).fill(0),
-    });
+    response.writeHead(200, { "content-type": "application/vnd.skyglow.sky" });
+    return response.end(compact({ ...common, grid }, sky));
   }
   const tiles =
     /^scenes\/demo\/tiles\/(radiance|elevation|brightness|influence)\/(?:(\d+)\/(\d+)\/(\d+)(?:@2x)?\.png|tilejson\.json)$/.exec(

@@ -1,5 +1,6 @@
 // How the viewer asks the server: paths, parameters and answers are those of the OpenAPI document.
 
+import { readCompactPanorama } from "../sky/compact.ts";
 import { ApiError, noAnswer, problemFromResponse } from "./problem.ts";
 import type { PlanBody, paths, ScenarioBody } from "./schema.ts";
 
@@ -101,8 +102,12 @@ function post<P extends Path<"post">, O extends Operation<"post", P>>(
   return request(buildUrl(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
 
-/** Repeats a request while the server is busy. All requests are idempotent. */
 async function request<A>(url: string, init: RequestInit & { signal: AbortSignal }): Promise<A> {
+  return (await (await answered(url, init)).json()) as A;
+}
+
+/** Repeats a request while the server is busy. All requests are idempotent. */
+async function answered(url: string, init: RequestInit & { signal: AbortSignal }): Promise<Response> {
   const { signal } = init;
   for (let attempt = 0; ; attempt++) {
     let response: Response;
@@ -112,7 +117,7 @@ async function request<A>(url: string, init: RequestInit & { signal: AbortSignal
       if (signal.aborted) throw reason;
       throw noAnswer();
     }
-    if (response.ok) return (await response.json()) as A;
+    if (response.ok) return response;
     const busy = response.status === 503 || response.status === 429;
     const retryAfterS = Number(response.headers.get("retry-after") ?? NaN);
     const waitS = Number.isFinite(retryAfterS) ? Math.max(retryAfterS, 0.2) : 1;
@@ -132,8 +137,11 @@ export const api = {
     get("/api/v1/scenes/{scene}/site", { scene }, { lat, lon }, signal),
   sky: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/sky", { scene }, parameters, signal),
-  panorama: (scene: string, parameters: SkyParameters, signal: AbortSignal) =>
-    get("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters, signal),
+  panorama: async (scene: string, parameters: SkyParameters, signal: AbortSignal) => {
+    const url = urlOf("/api/v1/scenes/{scene}/panorama.sky", { scene }, parameters);
+    const answer = await answered(url, { signal });
+    return readCompactPanorama(await answer.arrayBuffer());
+  },
   /** Finds what to dim. */
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),

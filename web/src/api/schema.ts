@@ -419,6 +419,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/scenes/{scene}/panorama.sky": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The raw grid in a tenth of the bytes, for programs that draw: X, Y, Z and scotopic luminance to 0.025 %, and at a time all light and the stars, planets, Moon and Sun that are seen. The guide has the layout. */
+        get: operations["get_panorama_sky"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/scenes/{scene}/panorama.tif": {
         parameters: {
             query?: never;
@@ -884,6 +901,83 @@ export interface components {
             moon_illuminated_fraction: number;
             /** @description Its phase then. */
             moon_phase: components["schemas"]["MoonPhase"];
+        };
+        /** @description Moon or Sun. */
+        CompactDisc: {
+            /**
+             * Format: double
+             * @description Of its middle, degrees clockwise from north.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Direction of the bright limb, degrees from up towards growing azimuth.
+             */
+            bright_limb_deg: number;
+            /** @description The same of the dark part: earthshine. */
+            dark_cd_m2: number[];
+            /**
+             * Format: double
+             * @description Of its middle, degrees.
+             */
+            elevation_deg: number;
+            /** @description X, photopic, Z and scotopic luminance of the lit part. */
+            lit_cd_m2: number[];
+            /**
+             * Format: double
+             * @description Lit part of the disc, 0 to 1.
+             */
+            lit_share: number;
+            /**
+             * Format: double
+             * @description Apparent radius, degrees.
+             */
+            radius_deg: number;
+        };
+        /** @description The header of a compact panorama; samples and points follow it (docs/guide.md). */
+        CompactHeader: components["schemas"]["Assumptions"] & {
+            /** @description Moon and Sun above the horizon. */
+            discs: components["schemas"]["CompactDisc"][];
+            /** @description Where the samples are. */
+            grid: components["schemas"]["PanoramaGrid"];
+            /** @description Elevation below which the terrain hides the sky, by column, degrees. */
+            horizon_deg: number[];
+            /** @description Planes in their order, four or five of each light; the second of each is photopic. */
+            planes: components["schemas"]["CompactPlane"][];
+            /** @description Stars and planets that are seen; none without a time. */
+            points: components["schemas"]["CompactPoints"];
+            /**
+             * Format: double
+             * @description Steps of the logarithm in a factor of e.
+             */
+            steps_per_e: number;
+        };
+        /** @description What one response sees. */
+        CompactPlane: {
+            /** @description Artificial light, or all light at the time. */
+            light: components["schemas"]["Light"];
+            /**
+             * Format: double
+             * @description The value of code 1; code c is `lowest · exp((c − 1) / steps_per_e)`, and 0 is darkness.
+             */
+            lowest: number;
+            /**
+             * Format: double
+             * @description What the response sees of a natural sky of 22.0 mag arcsec⁻², which adds to a clear sky's artificial light where no time was
+             *     asked for.
+             */
+            natural: number;
+            /** @description Its name. */
+            response: string;
+            /** @description Unit of its values. */
+            unit: string;
+        };
+        /** @description Points of light. */
+        CompactPoints: {
+            /** @description How many. */
+            count: number;
+            /** @description The values of code 1 of X, photopic, Z and scotopic illuminance, lx. */
+            lowest_lx: number[];
         };
         /**
          * @description A part of the light that comes from outside the air. Cities are not among them.
@@ -2488,6 +2582,10 @@ export type BrushBody = components['schemas']['BrushBody'];
 export type Calendar = components['schemas']['Calendar'];
 export type CalendarDate = components['schemas']['CalendarDate'];
 export type CalendarNight = components['schemas']['CalendarNight'];
+export type CompactDisc = components['schemas']['CompactDisc'];
+export type CompactHeader = components['schemas']['CompactHeader'];
+export type CompactPlane = components['schemas']['CompactPlane'];
+export type CompactPoints = components['schemas']['CompactPoints'];
 export type Component = components['schemas']['Component'];
 export type ComponentAnswer = components['schemas']['ComponentAnswer'];
 export type Daylight = components['schemas']['Daylight'];
@@ -5603,6 +5701,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
+                    "application/vnd.skyglow.sky": string;
                     "image/png": string;
                     "image/tiff": string;
                     "image/webp": string;
@@ -5615,6 +5714,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
+                    "application/vnd.skyglow.sky": string;
                     "image/png": string;
                     "image/tiff": string;
                     "image/webp": string;
@@ -6087,6 +6187,142 @@ export interface operations {
                 };
                 content: {
                     "image/png": string;
+                };
+            };
+            /** @description The client has this answer already; nothing was rendered */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_panorama_sky: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The sky */
+            200: {
+                headers: {
+                    /** @description Milliseconds of each pass of the rendering */
+                    "server-timing"?: string;
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/vnd.skyglow.sky": string;
                 };
             };
             /** @description The client has this answer already; nothing was rendered */

@@ -2,16 +2,9 @@
 
 import { api, type SkyParameters } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import {
-  type AppState,
-  CONDITIONS,
-  coordinatesOf,
-  isCompared,
-  pictureConditions,
-  sceneOf,
-  skyConditions,
-} from "../state/app-state.ts";
+import { type AppState, CONDITIONS, coordinatesOf, isCompared, sceneOf, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 
@@ -27,8 +20,6 @@ const NO_SKY = {
 /** The skies of a state. */
 interface SkyRequests {
   shown: SkyParameters;
-  /** Its picture, which is of no time. */
-  picture: SkyParameters;
   /** Whose picture is shown beside it. */
   beside: SkyParameters | null;
   /** Whose numbers it is compared with: today's of painted lights, or those of today's. A plan has its own. */
@@ -37,14 +28,11 @@ interface SkyRequests {
 
 function requestsOf(state: Readonly<AppState>, place: Place): SkyRequests {
   const shown = { ...coordinatesOf(place), ...skyConditions(state) };
-  const picture = { ...coordinatesOf(place), ...pictureConditions(state) };
   const { scenario, ...today } = shown;
-  const { scenario: _, ...pictureToday } = picture;
   const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
   return {
     shown,
-    picture,
-    beside: isCompared(state) ? pictureToday : null,
+    beside: isCompared(state) ? today : null,
     compared: painted === null ? null : scenario === undefined ? { ...today, scenario: painted } : today,
   };
 }
@@ -57,12 +45,10 @@ export class SkySession {
   private controller = new AbortController();
   private requested = "";
   private requestedSite = "";
-  /** Of the pictures that are shown. */
-  private shownPictures = "";
 
   constructor(private readonly store: AppStore) {
-    const isRealistic = ({ colours }: Readonly<AppState>) => colours === "realistic";
-    store.watch([sceneOf, "place", "time", "isAway", isRealistic, ...CONDITIONS], (state) => {
+    const inLight = ({ colours }: Readonly<AppState>) => isOfLight(colours);
+    store.watch([sceneOf, "place", "time", "isAway", inLight, ...CONDITIONS], (state) => {
       const scene = sceneOf(state);
       if (scene === null || state.place === null) {
         this.cancel();
@@ -76,14 +62,13 @@ export class SkySession {
 
   /** Requests a sky, and what it is compared with, unless these are the last requests. */
   private async load(scene: string, requests: SkyRequests): Promise<void> {
-    const { shown, picture, beside, compared } = requests;
+    const { shown, beside, compared } = requests;
     const requested = JSON.stringify([scene, requests]);
     if (requested === this.requested) return;
     this.restart();
     const { signal } = this.controller;
     this.requested = requested;
     const requestedSite = siteKey(scene, shown);
-    const requestedPictures = JSON.stringify([scene, picture, beside]);
     performance.clearMarks("sky:asked");
     performance.mark("sky:asked");
     this.store.set({ isBusy: true });
@@ -91,14 +76,12 @@ export class SkySession {
       if (requestedSite !== this.requestedSite) {
         this.store.set({ ...NO_SKY, site: await api.site(scene, shown, signal), skyStage: "site" });
         this.requestedSite = requestedSite;
-        this.shownPictures = "";
         performance.measure("sky:site", "sky:asked");
       }
       const answer = await api.sky(scene, shown, signal);
-      const isPictured = requestedPictures === this.shownPictures;
-      this.store.set({ answer, skyStage: isPictured ? "picture" : "numbers" });
+      this.store.set({ answer, skyStage: "numbers" });
       performance.measure("sky:numbers", "sky:asked");
-      const both = isPictured ? [] : beside === null ? [picture] : [picture, beside];
+      const both = beside === null ? [shown] : [shown, beside];
       const [answers, other] = await Promise.all([
         Promise.all(both.map((query) => api.panorama(scene, query, signal))),
         compared === null ? null : api.sky(scene, compared, signal),
@@ -107,9 +90,7 @@ export class SkySession {
       const [before, after] = isToday ? [answer, other] : [other, answer];
       const comparison = before === null || after === null ? null : { before: before.sky, after: after.sky };
       const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
-      const pictures = isPictured ? {} : { panorama, panoramaToday };
-      this.shownPictures = requestedPictures;
-      this.store.set({ ...pictures, comparison, skyStage: "picture" });
+      this.store.set({ panorama, panoramaToday, comparison, skyStage: "picture" });
       performance.measure("sky:picture", "sky:asked");
       this.store.set({ isBusy: false });
     } catch (reason) {
@@ -136,7 +117,6 @@ export class SkySession {
     this.restart();
     this.requested = "";
     this.requestedSite = "";
-    this.shownPictures = "";
     this.store.set({ ...NO_SKY, isBusy: false });
   }
 

@@ -103,6 +103,7 @@ export const english = {
     legendBeside: (unit: string) => `Value, times the natural sky (below: ${unit})`,
     natural: "The natural night sky",
     colours: "Colours",
+    eye: "as the eye sees it",
     realistic: "as a camera sees it",
     exposure: "Exposure",
     unit: "Unit",
@@ -272,7 +273,7 @@ export const english = {
     /** `eye`: one of the responses. */
     by: (eye: string) => `Seen by: ${eye}`,
     ofFalseColour: "For the sky in false colour, the brightness of the zenith, the lights that cause it, and plans.",
-    notAsACamera: "The map's layers and plans follow. The sky as a camera sees it is in the colours of the eye by day.",
+    notAsACamera: "The map's layers and plans follow. The sky as the eye or a camera sees it has colours of its own.",
   },
   responses: {
     photopic: "Eye adapted to light",
@@ -463,7 +464,7 @@ export const english = {
     answered: (status: string) => `The server answered ${status}`,
     noAnswer: "The server does not answer",
     noAnswerMore: "What is shown stays. The viewer asks again by itself until an answer comes.",
-    panoramaRows: (rows: number, wanted: number) => `the panorama has ${rows} rows where its grid says ${wanted}`,
+    notAPanorama: "the server sent no panorama that this page can read",
     noScenes: "This server has no scene yet. Add one: skyglow ingest RADIANCE.tif --terrain TERRAIN.tif",
     noSuchScene: (scene: string, shown: string) => `There is no scene “${scene}” on this server; showing “${shown}” instead.`,
     noMap: (why: string) => `The map cannot be drawn here (${why}). Search for a place or coordinates instead.`,

@@ -21,9 +21,9 @@ const ANCHORS: Record<AnyMapName, string> = {
 };
 
 export const COLOUR_MAPS: readonly ColourMapName[] = ["inferno", "viridis", "cividis"];
-/** How a sky is coloured: by its brightness, or as a camera would show it. */
-export type PictureStyle = ColourMapName | "realistic";
-export const STYLES: readonly PictureStyle[] = [...COLOUR_MAPS, "realistic"];
+/** How a sky is coloured: as the eye or a camera sees it, or by its brightness. */
+export type PictureStyle = "eye" | "realistic" | ColourMapName;
+export const STYLES: readonly PictureStyle[] = ["eye", "realistic", ...COLOUR_MAPS];
 
 /** `count` RGB triples, evenly spaced over the map. */
 export function colourTable(name: AnyMapName, count: number): Uint8ClampedArray {
@@ -58,4 +58,9 @@ export function tileGradient(name: AnyMapName): string {
     return `rgba(${table[at]}, ${table[at + 1]}, ${table[at + 2]}, ${(0.25 + 0.75 * Math.sqrt(part)).toFixed(2)})`;
   });
   return `linear-gradient(to right, ${stops.join(", ")})`;
+}
+
+/** Whether a style is of colours of light, as the eye or a camera sees them: stars are in it, and it is of no other response. */
+export function isOfLight(style: PictureStyle): style is "eye" | "realistic" {
+  return style === "eye" || style === "realistic";
 }

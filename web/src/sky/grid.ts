@@ -1,9 +1,6 @@
 // What is seen of the sky on the grid of the API's panorama, and lookups in it.
 
-import type { PanoramaAnswer } from "../api/types.ts";
-import { words } from "../language/words.ts";
-import { NATURAL_SKY_CD_M2 } from "../photometry.ts";
-import { NO_TINT, type Tint, tintOf } from "./realistic.ts";
+import type { CompactPanorama, Disc, FourValues, PointLight } from "./compact.ts";
 import { type Seen, seenFrom } from "./seen.ts";
 
 /** Artificial light alone, or with the natural sky. */
@@ -26,6 +23,16 @@ export function valueFor({ artificial, total }: SkySample, kind: SkyKind): numbe
   return kind === "total" ? total : artificial;
 }
 
+/** Values over the grid, [row][column], and what adds to each. */
+interface Layer {
+  values: Float32Array;
+  added: number;
+}
+
+/** What X, Y, Z and the dark-adapted eye see, in the order of `FourValues`. */
+const EYE = ["cie_x", "photopic", "cie_z", "scotopic"] as const;
+type OfEye = readonly [Layer, Layer, Layer, Layer];
+
 /** Values of the whole sky. Row 0 is lowest, column 0 looks north. */
 export class SkyGrid {
   readonly azimuthCount: number;
@@ -35,46 +42,51 @@ export class SkyGrid {
   readonly elevationFirstDeg: number;
   readonly elevationStepDeg: number;
   readonly seen: Seen;
-  /** Values of artificial light [row][column], in the unit of what sees it. */
-  readonly artificial: Float64Array;
-  /** Artificial radiance [row][column] in R, G, B, W m⁻² sr⁻¹. */
-  readonly artificialWM2Sr: readonly [Float32Array, Float32Array, Float32Array];
-  /** Elevation of the terrain horizon in each column, degrees. Empty when the answer has none. */
+  /** Elevation of the terrain horizon in each column, degrees. */
   readonly horizonDeg: readonly number[];
-  /** What the natural sky adds to them: nothing through clouds. */
-  readonly natural: number;
-  /** Luminance of the natural sky that is there, cd m⁻². */
-  readonly naturalCdM2: number;
-  /** How lamps differ in colour from what the bands say. */
-  readonly tint: Tint;
+  /** Stars and planets that are seen, and Moon and Sun, where the sky is that of a time. */
+  readonly points: readonly PointLight[];
+  readonly discs: readonly Disc[];
+  private readonly ofResponse: Record<SkyKind, Layer>;
+  private readonly ofEye: Record<SkyKind, OfEye>;
 
-  constructor(answer: PanoramaAnswer) {
-    const { grid, radiance, values } = answer;
+  constructor({ grid, planes, horizon_deg, clouds, response, points, discs }: CompactPanorama) {
     this.azimuthCount = grid.azimuth_count;
     this.elevationCount = grid.elevation_count;
     this.azimuthFirstDeg = grid.azimuth_first_deg;
     this.azimuthStepDeg = grid.azimuth_step_deg;
     this.elevationFirstDeg = grid.elevation_first_deg;
     this.elevationStepDeg = grid.elevation_step_deg;
-    this.horizonDeg = answer.horizon_deg ?? [];
-    this.seen = seenFrom(answer);
-    this.natural = answer.clouds === "none" ? (this.seen.natural ?? 0) : 0;
-    this.naturalCdM2 = answer.clouds === "none" ? NATURAL_SKY_CD_M2 : 0;
-    const { zenith_radiance_w_m2_sr, zenith_luminance_cd_m2, zenith_chromaticity } = answer.sky;
-    this.tint =
-      zenith_chromaticity == null ? NO_TINT : tintOf(zenith_radiance_w_m2_sr, zenith_luminance_cd_m2, zenith_chromaticity);
-    const [red = [], green = [], blue = []] = radiance;
-    for (const { length } of [values, red, green, blue]) {
-      if (length !== this.elevationCount) throw new Error(words().problems.panoramaRows(length, this.elevationCount));
-    }
-    this.artificial = new Float64Array(this.azimuthCount * this.elevationCount);
-    for (const [i, row] of values.entries()) this.artificial.set(row.slice(0, this.azimuthCount), i * this.azimuthCount);
-    const band = (rows: readonly (readonly number[])[]) => {
-      const values = new Float32Array(this.azimuthCount * this.elevationCount);
-      for (const [i, row] of rows.entries()) values.set(row.slice(0, this.azimuthCount), i * this.azimuthCount);
-      return values;
+    this.horizonDeg = horizon_deg;
+    this.points = points;
+    this.discs = discs;
+    const isClear = clouds === "none";
+    const hasTime = planes.some(({ light }) => light === "total");
+    const layer = (kind: SkyKind, name: string): Layer => {
+      const light = hasTime ? kind : "artificial";
+      const plane = planes.find((candidate) => candidate.light === light && candidate.response === name);
+      // The sky of a time is in the planes already.
+      const added = kind === "total" && isClear && !hasTime ? (plane?.natural ?? 0) : 0;
+      return { values: plane?.values ?? new Float32Array(this.azimuthCount * this.elevationCount), added };
     };
-    this.artificialWM2Sr = [band(red), band(green), band(blue)];
+    const both = <L>(make: (kind: SkyKind) => L) => ({ artificial: make("artificial"), total: make("total") });
+    this.ofResponse = both((kind) => layer(kind, response.name));
+    this.ofEye = both((kind) => EYE.map((name) => layer(kind, name)) as unknown as OfEye);
+    const natural = planes.find(({ response: name }) => name === response.name)?.natural ?? 0;
+    this.seen = seenFrom(response, isClear ? natural : 0);
+  }
+
+  /** What the eye sees at a sample of the grid. */
+  eyeAt(kind: SkyKind, sample: number): FourValues {
+    const [x, photopic, z, scotopic] = this.ofEye[kind];
+    const value = ({ values, added }: Layer) => (values[sample] ?? 0) + added;
+    return [value(x), value(photopic), value(z), value(scotopic)];
+  }
+
+  /** What is seen at a sample of the grid, where no ground hides it. */
+  valueAt(kind: SkyKind, sample: number): number {
+    const { values, added } = this.ofResponse[kind];
+    return (values[sample] ?? 0) + added;
   }
 
   /** Whether terrain hides a sample of the grid. */
@@ -92,56 +104,35 @@ export class SkyGrid {
     return low + (across - left) * ((this.horizonDeg[wrapped(left + 1)] ?? 0) - low);
   }
 
-  /** The direction of the brightest sample. */
+  /** The direction of the brightest visible sample of artificial light. */
   brightest(): SkySample {
-    let brightest = 0;
-    this.artificial.forEach((value, i) => {
-      if (value > (this.artificial[brightest] ?? 0)) brightest = i;
-    });
+    const { values } = this.ofResponse.artificial;
+    let [brightest, most] = [0, -1];
+    for (let row = 0; row < this.elevationCount; row++) {
+      for (let column = 0; column < this.azimuthCount; column++) {
+        const value = values[row * this.azimuthCount + column] ?? 0;
+        if (value > most && !this.isHidden(row, column)) [brightest, most] = [row * this.azimuthCount + column, value];
+      }
+    }
     const column = brightest % this.azimuthCount;
     const row = (brightest - column) / this.azimuthCount;
     return this.nearest(this.azimuthFirstDeg + column * this.azimuthStepDeg, this.elevationFirstDeg + row * this.elevationStepDeg);
   }
 
-  /** The sample nearest to a direction: exactly the API's value, nothing interpolated. */
+  /** The sample nearest to a direction: the API's value, nothing interpolated. */
   nearest(azimuthDeg: number, elevationDeg: number): SkySample {
     const turn = Math.round((azimuthDeg - this.azimuthFirstDeg) / this.azimuthStepDeg);
     const column = ((turn % this.azimuthCount) + this.azimuthCount) % this.azimuthCount;
     const step = Math.round((elevationDeg - this.elevationFirstDeg) / this.elevationStepDeg);
     const row = Math.min(Math.max(step, 0), this.elevationCount - 1);
-    const artificial = this.artificial[row * this.azimuthCount + column] ?? 0;
+    const sample = row * this.azimuthCount + column;
     const isBelowHorizon = this.isHidden(row, column);
     return {
       azimuthDeg: this.azimuthFirstDeg + column * this.azimuthStepDeg,
       elevationDeg: this.elevationFirstDeg + row * this.elevationStepDeg,
-      artificial,
-      total: isBelowHorizon ? 0 : artificial + this.natural,
+      artificial: isBelowHorizon ? 0 : this.valueAt("artificial", sample),
+      total: isBelowHorizon ? 0 : this.valueAt("total", sample),
       isBelowHorizon,
     };
-  }
-
-  /**
-   * log10 of the values for drawing, [row][column]; darkness counts as `floor`. Hidden samples take the lowest visible
-   * one of their column, so that no darkness of the ground runs into the sky above it.
-   */
-  logValues(kind: SkyKind, floor: number): Float32Array {
-    const added = kind === "total" ? this.natural : 0;
-    return this.fillHidden(Float32Array.from(this.artificial, (value) => Math.log10(Math.max(value + added, floor))));
-  }
-
-  /** Radiance of artificial light in R, G, B for drawing, [row][column], W m⁻² sr⁻¹; of hidden samples as above. */
-  radianceWM2Sr(): readonly [Float32Array, Float32Array, Float32Array] {
-    const [red, green, blue] = this.artificialWM2Sr;
-    return [this.fillHidden(red.slice()), this.fillHidden(green.slice()), this.fillHidden(blue.slice())];
-  }
-
-  private fillHidden(values: Float32Array): Float32Array {
-    for (let column = 0; column < this.azimuthCount; column++) {
-      let lowest = 0;
-      while (lowest < this.elevationCount && this.isHidden(lowest, column)) lowest++;
-      const value = values[lowest * this.azimuthCount + column];
-      for (let row = 0; value !== undefined && row < lowest; row++) values[row * this.azimuthCount + column] = value;
-    }
-    return values;
   }
 }

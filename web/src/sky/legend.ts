@@ -7,22 +7,28 @@ import type { AppStore } from "../state/app-store.ts";
 import { RESPONSES } from "../state/view-state.ts";
 import { byId, make } from "../ui/dom.ts";
 import { decimal, inUnit } from "../ui/format.ts";
-import { colourGradient } from "./colour-maps.ts";
+import { colourGradient, isOfLight } from "./colour-maps.ts";
+import type { FourValues } from "./compact.ts";
+import { eyeBytes } from "./eye.ts";
 import { valueFor } from "./grid.ts";
-import { ToneMap } from "./realistic.ts";
+import { cameraGrey } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
 import type { Seen } from "./seen.ts";
 import { type BrightnessUnit, type Tick, ticks, unitBeside, unitFor } from "./units.ts";
 
 /** Steps of the gradient of greys. */
 const GREYS = 40;
+/** X, Y, Z and scotopic luminance of light of D65 by its luminance. */
+const WHITE: FourValues = [0.9505, 1, 1.0888, 2.47];
 
-/** The greys that luminances along the scale are shown as. */
-function greyGradient(exposureEv: number): string {
-  const toneMap = new ToneMap(exposureEv);
+/** The colours that luminances of white light along the scale are shown as. */
+function lightGradient(colours: "eye" | "realistic", exposureEv: number): string {
   const span = SCALE.faintestMagArcsec2 - SCALE.brightestMagArcsec2;
   const stops = Array.from({ length: GREYS + 1 }, (_, i) => {
-    const grey = toneMap.grey(luminanceFromBrightnessCdM2(SCALE.faintestMagArcsec2 - (i / GREYS) * span));
+    const luminanceCdM2 = luminanceFromBrightnessCdM2(SCALE.faintestMagArcsec2 - (i / GREYS) * span);
+    if (colours === "eye")
+      return `rgb(${eyeBytes(WHITE.map((part) => part * luminanceCdM2) as unknown as FourValues, exposureEv)})`;
+    const grey = cameraGrey(luminanceCdM2, exposureEv);
     return `rgb(${grey}, ${grey}, ${grey})`;
   });
   return `linear-gradient(to right, ${stops.join(", ")})`;
@@ -61,7 +67,7 @@ export class Legend {
     const unit = unitFor(state.unit, seen);
     this.container.dataset.unit = unit;
     this.title.textContent = legendTitle(unit, seen);
-    this.bar.style.background = colours === "realistic" ? greyGradient(exposureEv) : colourGradient(colours);
+    this.bar.style.background = isOfLight(colours) ? lightGradient(colours, exposureEv) : colourGradient(colours);
     this.ticks.replaceChildren(...ticks(unit, seen).map((mark) => tickElement(mark, unit, seen)));
   }
 }

@@ -6,7 +6,7 @@ import type { Plot, Projection, SkyDirection } from "./projection.ts";
 import { outline, type Region } from "./region.ts";
 import type { TownOnHorizon } from "./towns.ts";
 
-/** The terrain's skyline, where the answer has one. */
+/** The terrain's skyline, where there is one. */
 export function drawHorizon(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, grid: SkyGrid): void {
   if (!grid.horizonDeg.some((elevationDeg) => elevationDeg > 0)) return;
   // Once around: to the first column again, which lies at the strip's right edge or where the disc closes.
@@ -40,7 +40,8 @@ export function drawTowns(
     const foot = projection.pointFromDirection({ azimuthDeg, elevationDeg: horizonDeg });
     const elevationDeg = horizonDeg + nameHeightDeg;
     const head = projection.pointFromDirection({ azimuthDeg, elevationDeg });
-    if (!(head.xPx > plot.leftPx && head.xPx < plot.leftPx + plot.widthPx)) continue;
+    const isInside = head.xPx > plot.leftPx && head.xPx < plot.leftPx + plot.widthPx && head.yPx < plot.topPx + plot.heightPx;
+    if (!isInside) continue;
     const halfPx = context.measureText(name).width / 2;
     const rightPx = plot.leftPx + plot.widthPx;
     const xPx = Math.min(Math.max(head.xPx, plot.leftPx + halfPx + 3), rightPx - halfPx - 3);

@@ -24,11 +24,9 @@ export const PHOTOPIC: Readonly<Seen> = {
 
 const WITH_MAGNITUDE: readonly string[] = ["johnson_b", "johnson_v", "johnson_r", "sqm"];
 
-/** What sees a panorama. Behind clouds only the eye's natural sky is known. */
-export function seenFrom({ response, sky }: Pick<PanoramaAnswer, "response" | "sky">): Seen {
+/** What sees a panorama. Behind clouds only the eye's natural sky is known: `natural` is then 0. */
+export function seenFrom(response: PanoramaAnswer["response"], natural: number): Seen {
   if (response.name === PHOTOPIC.response) return PHOTOPIC;
-  const zenith = sky.zenith_by_response.find((value) => value.response === response.name);
-  const natural = zenith === undefined ? 0 : zenith.total - zenith.value;
   return {
     response: response.name,
     unit: typeset(response.unit),

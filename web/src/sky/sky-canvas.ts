@@ -4,9 +4,10 @@ import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { Place } from "../state/view-state.ts";
 import { drawFrame } from "./frame.ts";
+import { GpuPainter } from "./gpu-painter.ts";
 import type { SkyGrid } from "./grid.ts";
 import { drawCross, drawCurve, drawHorizon, drawTowns } from "./overlay.ts";
-import { type PictureLook, paintSky } from "./paint.ts";
+import { paintSky } from "./paint.ts";
 import {
   equirectangular,
   fisheye,
@@ -18,6 +19,7 @@ import {
   type SkyDirection,
 } from "./projection.ts";
 import type { Region } from "./region.ts";
+import type { PictureLook } from "./shading.ts";
 import { townsOnHorizon } from "./towns.ts";
 
 /** All that the picture is drawn from. */
@@ -71,8 +73,12 @@ export class SkyCanvas {
   plot: Plot = { leftPx: 0, topPx: 0, widthPx: 1, heightPx: 1 };
   projection: Projection | null = null;
   private scale = 1;
+  private isMarked = false;
+  private readonly gpu: GpuPainter;
 
-  constructor() {
+  /** `changed` is called when the picture must be drawn anew. */
+  constructor(changed: () => void) {
+    this.gpu = new GpuPainter(changed);
     this.picture.className = "sky-picture";
     this.picture.setAttribute("aria-hidden", "true");
     this.overlay.className = "sky-overlay";
@@ -90,9 +96,11 @@ export class SkyCanvas {
     if (widthPx < MIN_SIZE_PX || heightPx < MIN_SIZE_PX) return;
     this.scale = Math.min(window.devicePixelRatio || 1, scene.isDragged ? 1 : MAX_PIXELS_PER_CSS_PX);
     const { scale } = this;
+    const [width, height] = [Math.round(widthPx * scale), Math.round(heightPx * scale)];
     for (const canvas of [this.picture, this.overlay]) {
-      canvas.width = Math.round(widthPx * scale);
-      canvas.height = Math.round(heightPx * scale);
+      // Setting a size makes a canvas anew, which takes longer than drawing on it.
+      if (canvas.width !== width) canvas.width = width;
+      if (canvas.height !== height) canvas.height = height;
     }
     const { left, right, top, bottom } = MARGINS[scene.projection];
     this.plot = { leftPx: left, topPx: top, widthPx: widthPx - left - right, heightPx: heightPx - top - bottom };
@@ -101,16 +109,13 @@ export class SkyCanvas {
     this.projection = projection;
     const context = this.picture.getContext("2d");
     if (context === null) return;
-    if (scene.grid !== null) {
-      const image = context.createImageData(this.picture.width, this.picture.height);
-      paintSky(image, scene.grid, scene, projection, scale);
-      context.putImageData(image, 0, 0);
-      if (scene.other !== null) this.drawOther(context, scene.other, scene, projection);
-    }
+    context.clearRect(0, 0, width, height);
+    if (scene.grid !== null) this.drawSkies(context, scene.grid, scene, projection);
     context.setTransform(scale, 0, 0, scale, 0, 0);
     drawFrame(context, projection, plot);
     if (scene.grid !== null) {
-      drawHorizon(context, projection, plot, scene.grid);
+      // By night the ground ends where the stars do.
+      if (scene.colours !== "eye") drawHorizon(context, projection, plot, scene.grid);
       if (scene.place !== null) {
         const towns = townsOnHorizon(scene.place, scene.places, this.minSeparationDeg(scene));
         const fieldDeg = scene.projection === "perspective" ? scene.gaze.fieldDeg : 90;
@@ -125,8 +130,11 @@ export class SkyCanvas {
   drawMarks(grid: SkyGrid | null, { trail, region, pointed }: SkyMarks): void {
     const context = this.overlay.getContext("2d");
     if (context === null || this.projection === null) return;
-    context.clearRect(0, 0, this.overlay.width, this.overlay.height);
-    if (grid === null) return;
+    const isMarked = grid !== null && (trail ?? region ?? pointed) !== null;
+    // What is empty and stays so need not be shown anew.
+    if (isMarked || this.isMarked) context.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    this.isMarked = isMarked;
+    if (!isMarked) return;
     context.setTransform(this.scale, 0, 0, this.scale, 0, 0);
     if (trail !== null) drawCurve(context, this.projection, this.plot, trail, false);
     else if (region !== null) drawCurve(context, this.projection, this.plot, region, true);
@@ -148,14 +156,32 @@ export class SkyCanvas {
     return point.xPx > leftPx && point.xPx < leftPx + widthPx && point.yPx > topPx && point.yPx < topPx + heightPx;
   }
 
-  /** The other sky lies left of the split, with a line between them. */
-  private drawOther(context: CanvasRenderingContext2D, other: SkyGrid, scene: SkyScene, projection: Projection): void {
-    const { plot, scale } = this;
+  /** The sky, and another one left of the split with a line between them. */
+  private drawSkies(context: CanvasRenderingContext2D, grid: SkyGrid, scene: SkyScene, projection: Projection): void {
+    const { plot, scale, gpu } = this;
+    const { width, height } = this.picture;
     const splitPx = Math.round((plot.leftPx + scene.split * plot.widthPx) * scale);
-    if (splitPx < 1) return;
-    const image = context.createImageData(splitPx, this.picture.height);
-    paintSky(image, other, scene, projection, scale);
-    context.putImageData(image, 0, 0);
+    const { sky, colours, exposureEv, gaze, other } = scene;
+    const look = { sky, colours, exposureEv };
+    const skies: [SkyGrid, number][] =
+      other === null || splitPx < 1
+        ? [[grid, width]]
+        : [
+            [grid, width],
+            [other, splitPx],
+          ];
+    if (gpu.isReady) {
+      gpu.begin(width, height);
+      for (const [each, untilPx] of skies) gpu.paint(each, look, { projection, gaze, plot, pixelsPerCssPx: scale }, untilPx);
+      context.drawImage(gpu.canvas, 0, 0);
+    } else {
+      for (const [each, untilPx] of skies) {
+        const image = context.createImageData(untilPx, height);
+        paintSky(image, each, look, projection, scale);
+        context.putImageData(image, 0, 0);
+      }
+    }
+    if (skies.length === 1) return;
     context.fillStyle = "#ffffff";
     context.fillRect(splitPx - scale / 2, plot.topPx * scale, scale, plot.heightPx * scale);
   }

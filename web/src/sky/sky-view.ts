@@ -13,7 +13,7 @@ import { SkyCanvas } from "./sky-canvas.ts";
 type Point = readonly [xPx: number, yPx: number];
 
 export class SkyView {
-  private readonly canvas = new SkyCanvas();
+  private readonly canvas = new SkyCanvas(() => this.drawSoon());
   private readonly drawing = new RegionDrawing();
   /** As it is while it is dragged; the state has it once that ends. */
   private gaze: Gaze | null = null;

@@ -1,25 +1,30 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { PanoramaAnswer } from "../api/types.ts";
 import { luminanceFromBrightnessCdM2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
 import { COLOUR_MAPS, colourTable } from "./colour-maps.ts";
+import type { CompactPanorama, FourValues } from "./compact.ts";
 import { SkyGrid } from "./grid.ts";
-import { GROUND_RGB, type PictureLook, paintSky } from "./paint.ts";
+import { paintSky } from "./paint.ts";
 import { compassName, equirectangular, fisheye, perspective } from "./projection.ts";
-import { NO_TINT, ToneMap, tintOf } from "./realistic.ts";
+import { cameraGrey, filmed, referenceCdM2, seenByCamera } from "./realistic.ts";
 import { scalePosition } from "./scale.ts";
 import { seenFrom } from "./seen.ts";
+import { DARK_GROUND_RGB, GROUND_RGB, type PictureLook, shadingOf } from "./shading.ts";
+import { encodeSrgb } from "./srgb.ts";
 import { ticks, UNITS, unitBeside, unitFor } from "./units.ts";
 
 const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;
 const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposureEv: 0 };
 
-/** A sky whose green radiance is 1e-9 at every sample but for one bright one. */
-function answerWithLightAt(row: number, column: number): PanoramaAnswer {
-  const band = (value: number) => Array.from({ length: 64 }, () => new Array<number>(256).fill(value));
-  const green = band(1e-9);
-  green[row]![column] = 1e-5;
+const DARK = 567e-9;
+const BRIGHT = 567e-5;
+const EYE_PARTS = { cie_x: 1.1, photopic: 1, cie_z: 0.4, scotopic: 1.3 };
+
+/** A sky of one luminance but for one bright sample. */
+function skyWithLightAt(row: number, column: number): CompactPanorama {
+  const values = new Float32Array(64 * 256).fill(DARK);
+  values[row * 256 + column] = BRIGHT;
   return {
     grid: {
       azimuth_count: 256,
@@ -31,37 +36,46 @@ function answerWithLightAt(row: number, column: number): PanoramaAnswer {
     },
     clouds: "none",
     response: { name: "photopic", unit: "cd m-2" },
-    sky: {},
-    radiance: [band(0), green, band(0)],
-    values: green.map((row) => row.map((radiance) => 567 * radiance)),
-  } as PanoramaAnswer;
+    horizon_deg: new Array<number>(256).fill(0),
+    planes: Object.entries(EYE_PARTS).map(([response, part]) => ({
+      response,
+      unit: "cd m-2",
+      light: "artificial",
+      natural: part * NATURAL_SKY_CD_M2,
+      values: values.map((value) => part * value),
+    })),
+    points: [],
+    discs: [],
+  };
 }
 
 /** The nearest sample is the API's own value, with north at both ends. */
 test("the nearest sample is the API's own value", () => {
-  const grid = new SkyGrid(answerWithLightAt(0, 0));
+  const grid = new SkyGrid(skyWithLightAt(0, 0));
   for (const azimuthDeg of [0, 0.6, 359.5, 360]) {
     const sample = grid.nearest(azimuthDeg, 0);
     assert.equal(sample.azimuthDeg, 0);
     assert.equal(sample.elevationDeg, STEP_DEG / 2);
-    assert.ok(Math.abs(sample.artificial - 567e-5) < 1e-15);
-    assert.ok(Math.abs(sample.total - 567e-5 - NATURAL_SKY_CD_M2) < 1e-15);
+    assert.equal(sample.artificial, Math.fround(BRIGHT));
+    assert.equal(sample.total, Math.fround(BRIGHT) + NATURAL_SKY_CD_M2);
   }
   assert.ok(grid.nearest(1.5, 0).artificial < 1e-6);
 });
 
 /** Nothing of the natural sky is added under clouds. */
 test("no natural sky is added under clouds", () => {
-  const grid = new SkyGrid({ ...answerWithLightAt(0, 0), clouds: "1500" });
+  const grid = new SkyGrid({ ...skyWithLightAt(0, 0), clouds: "1500" });
   const sample = grid.nearest(0, 0);
   assert.equal(sample.total, sample.artificial);
-  assert.deepEqual(grid.logValues("total", 1e-9), grid.logValues("artificial", 1e-9));
+  assert.deepEqual(grid.eyeAt("total", 7), grid.eyeAt("artificial", 7));
 });
 
-test("a panorama with missing rows is refused", () => {
-  const answer = answerWithLightAt(0, 0);
-  answer.radiance[1]!.pop();
-  assert.throws(() => new SkyGrid(answer), /rows/);
+/** The natural sky of a time is in the planes of all light, and nothing is added to it. */
+test("all light at a time is that of its planes", () => {
+  const sky = skyWithLightAt(0, 0);
+  const total = sky.planes.map((plane) => ({ ...plane, light: "total" as const, values: plane.values.map((value) => value + 2) }));
+  const sample = new SkyGrid({ ...sky, planes: [...sky.planes, ...total] }).nearest(0, 0);
+  assert.deepEqual([sample.artificial, sample.total], [BRIGHT, BRIGHT + 2].map(Math.fround));
 });
 
 for (const [name, make] of [
@@ -95,7 +109,7 @@ test("the fisheye has north up and east left", () => {
 
 /** A light is painted where its direction lies, in both projections. */
 test("a light is painted where its direction lies", () => {
-  const grid = new SkyGrid(answerWithLightAt(20, 64));
+  const grid = new SkyGrid(skyWithLightAt(20, 64));
   const direction = { azimuthDeg: 90, elevationDeg: 20.5 * STEP_DEG };
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
@@ -140,33 +154,27 @@ test("compass names wrap around", () => {
   assert.deepEqual([0, 44, 90, 225, 359, -1].map(compassName), ["N", "NE", "E", "SW", "N", "N"]);
 });
 
-/** A hill of 20° around the east; its samples are dark as the API has them. */
-function answerWithHill(): PanoramaAnswer {
-  const answer = answerWithLightAt(40, 200);
+/** A hill of 20° around the east. */
+function skyWithHill(): CompactPanorama {
   const horizonDeg = Array.from({ length: 256 }, (_, column) => Math.max(20 - Math.abs(column - 64), 0));
-  for (const band of [...answer.radiance, answer.values]) {
-    for (const [row, values] of band.entries()) {
-      for (const column of values.keys()) if ((row + 0.5) * STEP_DEG < horizonDeg[column]!) values[column] = 0;
-    }
-  }
-  return { ...answer, horizon_deg: horizonDeg };
+  return { ...skyWithLightAt(40, 200), horizon_deg: horizonDeg };
 }
 
 /** Below the horizon there is no light, the natural sky included. */
 test("below the horizon there is no light", () => {
-  const grid = new SkyGrid(answerWithHill());
+  const grid = new SkyGrid(skyWithHill());
   const hidden = grid.nearest(90, 10);
   assert.equal(hidden.isBelowHorizon, true);
   assert.deepEqual([hidden.artificial, hidden.total], [0, 0]);
   assert.equal(grid.nearest(90, 30).isBelowHorizon, false);
   assert.equal(grid.nearest(270, 0).isBelowHorizon, false);
-  assert.equal(new SkyGrid(answerWithLightAt(0, 0)).nearest(90, 0).isBelowHorizon, false);
+  assert.equal(new SkyGrid(skyWithLightAt(0, 0)).nearest(90, 0).isBelowHorizon, false);
 });
 
 /** The horizon is linear between columns, and wraps. */
 test("the horizon is linear between columns", () => {
   const grid = new SkyGrid({
-    ...answerWithLightAt(0, 0),
+    ...skyWithLightAt(0, 0),
     horizon_deg: Array.from({ length: 256 }, (_, column) => (column === 0 ? 8 : 0)),
   });
   assert.equal(grid.horizonAt(0), 8);
@@ -176,7 +184,7 @@ test("the horizon is linear between columns", () => {
 
 /** Ground is painted up to the profile, and the sky above it keeps its colour. */
 test("ground is painted up to the profile", () => {
-  const grid = new SkyGrid(answerWithHill());
+  const grid = new SkyGrid(skyWithHill());
   for (const projection of [equirectangular(PLOT), fisheye(PLOT)]) {
     const picture = { width: 420, height: 240, data: new Uint8ClampedArray(420 * 240 * 4) } as ImageData;
     paintSky(picture, grid, LOOK, projection, 1);
@@ -187,6 +195,8 @@ test("ground is painted up to the profile", () => {
     assert.deepEqual(colourAt(90, 18), [...GROUND_RGB], projection.name);
     assert.deepEqual(colourAt(90, 21.5), colourAt(90, 40), projection.name);
     assert.notDeepEqual(colourAt(270, 5), [...GROUND_RGB], projection.name);
+    paintSky(picture, grid, { ...LOOK, colours: "eye" }, projection, 1);
+    assert.deepEqual(colourAt(90, 18), [...DARK_GROUND_RGB], projection.name);
   }
 });
 
@@ -220,44 +230,37 @@ test("perspective: points lead back to directions", () => {
 });
 
 test("the brightest direction is found", () => {
-  const { azimuthDeg, elevationDeg } = new SkyGrid(answerWithLightAt(3, 100)).brightest();
+  const { azimuthDeg, elevationDeg } = new SkyGrid(skyWithLightAt(3, 100)).brightest();
   assert.ok(Math.abs(azimuthDeg - (100 * 360) / 256) < 1e-9 && Math.abs(elevationDeg - 3.5 * STEP_DEG) < 1e-9);
 });
 
+const camera = (seen: FourValues, exposureEv: number) =>
+  filmed(seenByCamera(seen, referenceCdM2(exposureEv))).map((channel) => Math.round(255 * encodeSrgb(channel)));
+
 /** The realistic picture shows a millicandela as middle grey, sodium orange, and bright light white. */
 test("a millicandela is middle grey, sodium orange", () => {
-  const bytes = new Uint8ClampedArray(3);
-  const shown = (exposureEv: number, red: number, green: number, blue: number) => {
-    new ToneMap(exposureEv).write(bytes, 0, red, green, blue);
-    return [...bytes] as [number, number, number];
-  };
-  assert.equal(new ToneMap(0).grey(1e-3), 118);
-  assert.equal(new ToneMap(1).grey(0.5e-3), 118);
-  assert.deepEqual(shown(0, 0, 0, 0), [0, 0, 0]);
-  assert.deepEqual(shown(0, 1, 1, 1), [255, 255, 255]);
-  const [red, green, blue] = shown(0, 2.5e-6, 1.1e-6, 0.1e-6);
+  const d65 = (luminance: number): FourValues => [0.9505 * luminance, luminance, 1.0888 * luminance, 2.47 * luminance];
+  assert.equal(cameraGrey(1e-3, 0), 118);
+  assert.equal(cameraGrey(0.5e-3, 1), 118);
+  assert.deepEqual(camera([0, 0, 0, 0], 0), [0, 0, 0]);
+  assert.deepEqual(camera(d65(1), 0), [255, 255, 255]);
+  assert.ok(camera(d65(1e-3), 0).every((byte) => Math.abs(byte - 118) <= 1));
+  const sodium = (luminance: number): FourValues => [1.21 * luminance, luminance, 0.13 * luminance, 0.6 * luminance];
+  const [red = 0, green = 0, blue = 0] = camera(sodium(1e-3), 0);
   assert.ok(red > green + 20 && green > blue + 40, `${red} ${green} ${blue}`);
-  const half = shown(1, 1.25e-6, 0.55e-6, 0.05e-6);
-  assert.deepEqual(half, [red, green, blue], "a stop more is half the light");
+  assert.deepEqual(camera(sodium(0.5e-3), 1), [red, green, blue], "a stop more is half the light");
 });
 
-/** The zenith's colour is that of its answer; the natural sky keeps its own. */
-test("the zenith has the colour of its answer", () => {
-  const bytes = new Uint8ClampedArray(3);
-  const radiance = [2.7e-6, 5.8e-6, 1.3e-6] as const;
-  assert.deepEqual(tintOf([0, 0, 0], 0, [0.4, 0.4]), NO_TINT);
-  // White of sRGB is grey, whatever the bands.
-  const tint = tintOf(radiance, 1e-3, [0.3127, 0.329]);
-  new ToneMap(0, tint).write(bytes, 0, ...radiance);
-  assert.ok(
-    [...bytes].every((byte) => Math.abs(byte - 118) <= 1),
-    `${bytes}`,
-  );
-  const shown = (map: ToneMap) => {
-    map.write(bytes, 0, 0, 0, 0, 1e-3);
-    return [...bytes];
-  };
-  assert.deepEqual(shown(new ToneMap(0, tint)), shown(new ToneMap(0)));
+/** Every sample of the shading is what the eye or the camera sees of it; above them lies the highest row across the zenith. */
+test("the shading is continuous over the zenith", () => {
+  const grid = new SkyGrid(skyWithLightAt(63, 10));
+  for (const colours of ["eye", "realistic", "inferno"] as const) {
+    const { texels } = shadingOf(grid, { sky: "total", colours, exposureEv: 0 });
+    assert.equal(texels.length, 65 * 256 * 4);
+    const red = (row: number, column: number) => texels[4 * (row * 256 + column)];
+    assert.equal(red(64, 10 + 128), red(63, 10), colours);
+    assert.ok((red(64, 138) ?? 0) > (red(64, 10) ?? 0), colours);
+  }
 });
 
 /** The scale's marks are round in every unit, ascend, and lie on the scale. */
@@ -277,12 +280,8 @@ test("the scale's ticks are round in every unit", () => {
 
 /** A response has its own natural sky, and its units are those that it has. */
 test("a response has its own natural sky and units", () => {
-  const zenith = (response: string, unit: string, total: number) => ({ response, unit, value: 1, total });
-  const sky = {
-    zenith_by_response: [zenith("scotopic", "cd m-2", 1.25), zenith("sqm", "cd m-2", 1.5), zenith("dnb", "nW cm-2 sr-1", 1)],
-  } as PanoramaAnswer["sky"];
-  const seen = (name: string, unit: string) => seenFrom({ response: { name, unit }, sky });
-  const dark = seen("scotopic", "cd m-2");
+  const seen = (name: string, unit: string, natural: number) => seenFrom({ name, unit }, natural);
+  const dark = seen("scotopic", "cd m-2", 0.25);
   assert.deepEqual(dark, { response: "scotopic", unit: "cd/m²", natural: 0.25, hasMagnitude: false });
   assert.deepEqual(
     UNITS.map((unit) => [unitFor(unit, dark), unitBeside(unitFor(unit, dark), dark)]),
@@ -293,15 +292,15 @@ test("a response has its own natural sky and units", () => {
     ],
   );
   assert.ok(ticks("ratio", dark).every(({ value }) => Number.isFinite(value)));
-  const meter = seen("sqm", "cd m-2");
+  const meter = seen("sqm", "cd m-2", 0.5);
   assert.deepEqual([unitFor("magnitude", meter), unitBeside("ratio", meter)], ["magnitude", "magnitude"]);
   // Through clouds nothing of the natural sky is seen.
-  const satellite = seen("dnb", "nW cm-2 sr-1");
+  const satellite = seen("dnb", "nW cm-2 sr-1", 0);
   assert.deepEqual(
     [satellite.unit, unitFor("ratio", satellite), unitBeside("luminance", satellite)],
     ["nW/cm²/sr", "luminance", null],
   );
   assert.ok(ticks("luminance", satellite).length > 8);
-  const grid = new SkyGrid({ ...answerWithLightAt(0, 0), response: { name: "scotopic", unit: "cd m-2" }, sky });
-  assert.ok(Math.abs(grid.nearest(0, 0).total - 567e-5 - 0.25) < 1e-12);
+  const grid = new SkyGrid({ ...skyWithLightAt(0, 0), response: { name: "scotopic", unit: "cd m-2" } });
+  assert.ok(Math.abs(grid.nearest(0, 0).total / (EYE_PARTS.scotopic * (BRIGHT + NATURAL_SKY_CD_M2)) - 1) < 1e-6);
 });

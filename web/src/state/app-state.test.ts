@@ -33,7 +33,7 @@ test("conditions name what differs from the defaults", () => {
 
 /** What sees the sky is named where it is not the eye, but never of a picture in an eye's colours. */
 test("a realistic picture is of no other response", () => {
-  const state = { ...DEFAULT, response: "scotopic" } as const;
+  const state = { ...DEFAULT, response: "scotopic", colours: "inferno" } as const;
   assert.equal(conditionsOf(state).response, "scotopic");
   assert.equal(pictureConditions(state).response, "scotopic");
   assert.ok(!("response" in pictureConditions({ ...state, colours: "realistic" })));

@@ -6,6 +6,7 @@ import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
 import type { LayerState } from "../map/raster-layers.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
 import type { SkyGrid, SkySample } from "../sky/grid.ts";
 import { textFromRegion } from "../sky/region.ts";
 import { PHOTOPIC, type Seen } from "../sky/seen.ts";
@@ -177,7 +178,7 @@ export function conditionsOf(state: State): Conditions {
 /** Those of the sky's picture: one in the colours that an eye sees is of no other response. */
 export function pictureConditions(state: State): Conditions {
   const { response: _, ...ofTheEye } = conditionsOf(state);
-  return state.colours === "realistic" ? ofTheEye : conditionsOf(state);
+  return isOfLight(state.colours) ? ofTheEye : conditionsOf(state);
 }
 
 /** Those of the sky's numbers: of the picture's, at the time that is chosen. */

@@ -2,6 +2,7 @@
 
 import { type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { words } from "../language/words.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
 import { gazeOf, viewedPart } from "../sky/gaze.ts";
 import { scaleEndsIn } from "../sky/scale.ts";
 import { unitFor } from "../sky/units.ts";
@@ -67,7 +68,7 @@ function showDownloads(container: HTMLElement, scene: string, parameters: SkyPar
   const scale = byValue
     ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
     : ({ scale: "magnitude" } as const);
-  const style = colours === "realistic" ? ({ style: "realistic", exposure: exposureEv } as const) : { colormap: colours, ...scale };
+  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv } as const) : { colormap: colours, ...scale };
   // Rasters hold the radiance in bands, whatever sees it.
   const { response: _, ...raster } = parameters;
   const picture = { ...parameters, projection, ...view, sky, ...style } as const;

@@ -1,6 +1,6 @@
 // How the sky is shown: which light, in which projection, colours and unit.
 
-import type { PictureStyle } from "../sky/colour-maps.ts";
+import { isOfLight, type PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import { type BrightnessUnit, unitFor } from "../sky/units.ts";
@@ -29,7 +29,7 @@ export function mountPictureControls(store: AppStore): void {
   });
   store.watch(["colours"], (state) => {
     colours.value = state.colours;
-    byId("exposure-field", HTMLElement).hidden = state.colours !== "realistic";
+    byId("exposure-field", HTMLElement).hidden = !isOfLight(state.colours);
   });
   store.watch(["exposureEv"], ({ exposureEv }) => {
     exposure.value = String(exposureEv);

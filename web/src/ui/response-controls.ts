@@ -1,6 +1,7 @@
 // What sees the sky in false colour and the map's layers, for experts.
 
 import { words } from "../language/words.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { RESPONSES } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
@@ -16,6 +17,6 @@ export function mountResponseControls(store: AppStore): void {
     const choices = RESPONSES.map((name) => [name, words().responses[name]] as const);
     fillSelect(select, choices, response);
     const { ofFalseColour, notAsACamera } = words().seen;
-    note.textContent = response !== "photopic" && colours === "realistic" ? notAsACamera : ofFalseColour;
+    note.textContent = response !== "photopic" && isOfLight(colours) ? notAsACamera : ofFalseColour;
   });
 }

@@ -24,6 +24,19 @@ pub struct PanoramaGrid {
     pub elevation_step_deg: f64,
 }
 
+impl Default for PanoramaGrid {
+    fn default() -> Self {
+        Self {
+            azimuth_count: AZIMUTH_COUNT,
+            elevation_count: ELEVATION_COUNT,
+            azimuth_first_deg: 0.0,
+            azimuth_step_deg: 360.0 / AZIMUTH_COUNT as f64,
+            elevation_first_deg: 0.5 * 90.0 / ELEVATION_COUNT as f64,
+            elevation_step_deg: 90.0 / ELEVATION_COUNT as f64,
+        }
+    }
+}
+
 /// A panorama's samples and numbers.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct PanoramaAnswer {
@@ -78,14 +91,7 @@ impl PanoramaAnswer {
         };
         Self {
             assumptions,
-            grid: PanoramaGrid {
-                azimuth_count: AZIMUTH_COUNT,
-                elevation_count: ELEVATION_COUNT,
-                azimuth_first_deg: 0.0,
-                azimuth_step_deg: 360.0 / AZIMUTH_COUNT as f64,
-                elevation_first_deg: 0.5 * 90.0 / ELEVATION_COUNT as f64,
-                elevation_step_deg: 90.0 / ELEVATION_COUNT as f64,
-            },
+            grid: PanoramaGrid::default(),
             bands_nm: [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]],
             unit: "W m-2 sr-1".to_owned(),
             light: match light {

@@ -20,7 +20,7 @@ pub(crate) struct Panorama {
     /// The scene's id
     #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
     scene: SceneId,
-    /// File to write; its ending says the format: .png, .webp, .exr, .tif or .json
+    /// File to write; its ending says the format: .png, .webp, .exr, .tif, .json or .sky
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
     output: Output,
     #[command(flatten)]
@@ -43,7 +43,8 @@ fn output(text: &str) -> Result<Output, String> {
         Some("exr") => Format::Exr,
         Some("tif" | "tiff") => Format::Tiff,
         Some("json") => Format::Json,
-        _ => return Err("the ending must be .png, .webp, .exr, .tif or .json".to_owned()),
+        Some("sky") => Format::Sky,
+        _ => return Err("the ending must be .png, .webp, .exr, .tif, .json or .sky".to_owned()),
     };
     Ok(Output { path, format })
 }

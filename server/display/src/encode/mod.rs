@@ -2,11 +2,13 @@
 
 mod exr_format;
 mod png_format;
+mod sky_format;
 mod tiff_format;
 mod webp_format;
 
 pub use exr_format::encode_exr;
 pub use png_format::{encode_png, encode_png_rgba};
+pub use sky_format::{LogPlane, PointTable, STEPS_PER_E, encode_sky};
 pub use tiff_format::encode_tiff;
 pub use webp_format::encode_webp;
 

@@ -17,7 +17,9 @@ use skyglow_app::{
     accept::{Format, OFFERED, negotiate},
     answers::PanoramaAnswer,
     drawing::draw,
-    parameters::{GridParameters, NegotiatedPanoramaParameters, PanoramaParameters, RasterParameters},
+    parameters::{
+        CompactParameters, GridParameters, NegotiatedPanoramaParameters, PanoramaParameters, RasterParameters,
+    },
     request::{PictureRequest, panorama, scene_id},
     source::SkySource,
 };
@@ -35,6 +37,7 @@ use skyglow_app::{
             (Vec<u8> = "image/webp"),
             (Vec<u8> = "image/x-exr"),
             (Vec<u8> = "image/tiff"),
+            (Vec<u8> = "application/vnd.skyglow.sky"),
         ), headers(
             ("skyglow-warnings" = String, description = "What the sky had to do without, where anything: the same as `warnings` in JSON"),
             ("server-timing" = String, description = "Milliseconds of each pass of the rendering"),
@@ -95,6 +98,8 @@ formats! {
         "Linear radiance as TIFF: three float32 bands in W m⁻² sr⁻¹; 0 where terrain hides the sky, NaN where the projection shows nothing above the horizontal plane.";
     get_panorama_json, "json", Format::Json, GridParameters, PanoramaAnswer, "application/json",
         "The raw grid with its numbers; it has no projection and no style.";
+    get_panorama_sky, "sky", Format::Sky, CompactParameters, Vec<u8>, "application/vnd.skyglow.sky",
+        "The raw grid in a tenth of the bytes, for programs that draw: X, Y, Z and scotopic luminance to 0.025 %, and at a time all light and the stars, planets, Moon and Sun that are seen. The guide has the layout.";
 }
 
 /// Bytes that drawing takes for each pixel of a picture with its file, and of a raster, of which the file is all that there is; and
@@ -109,7 +114,7 @@ fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
             ((picture.options.width_px, picture.options.height_px), BYTES_PER_PICTURE_PIXEL)
         }
         Format::Exr | Format::Tiff => (picture.raster_size_px, BYTES_PER_RASTER_PIXEL),
-        Format::Json => ((0, 0), 0),
+        Format::Json | Format::Sky => ((0, 0), 0),
     };
     BASE_BYTES + bytes * width_px as usize * height_px as usize
 }

@@ -80,6 +80,35 @@ async fn openexr_has_its_magic_and_its_channels() {
     assert!(head.contains("channels") && head.contains("chlist"), "{head}");
 }
 
+/// A compact panorama has a header that lists its planes and two bytes for each of their samples.
+#[tokio::test]
+async fn a_compact_panorama_has_header_and_planes() {
+    let server = Server::start().await;
+    let path = format!("/api/v1/scenes/demo/panorama.sky?{PLACE}&turbidity=3");
+    for (more, responses) in [
+        ("", vec!["cie_x", "photopic", "cie_z", "scotopic"]),
+        ("&response=sqm", vec!["cie_x", "photopic", "cie_z", "scotopic", "sqm"]),
+    ] {
+        let (media_type, file) = body(&server, &format!("{path}{more}")).await;
+        assert_eq!(media_type, "application/vnd.skyglow.sky");
+        assert_eq!(&file[..8], b"SKYGLOW\x01");
+        let length = u32::from_le_bytes(file[8..12].try_into().unwrap()) as usize;
+        let header: Value = serde_json::from_slice(&file[12..12 + length]).unwrap();
+        let planes = header["planes"].as_array().unwrap();
+        let found: Vec<&str> = planes.iter().map(|plane| plane["response"].as_str().unwrap()).collect();
+        assert_eq!(found, responses);
+        assert!(
+            planes.iter().all(|plane| plane["light"] == "artificial" && plane["lowest"].as_f64() > Some(0.0))
+        );
+        assert_eq!(file.len(), 12 + length + responses.len() * 2 * 256 * 64);
+        assert_eq!((&header["turbidity"], &header["points"]["count"]), (&3.0.into(), &0.into()));
+        assert_eq!(header["horizon_deg"].as_array().unwrap().len(), 256);
+    }
+    // It holds both lights where there are two: none is chosen.
+    let (status, problem) = server.json(&format!("{path}&sky=total")).await;
+    assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &"sky".into()));
+}
+
 /// The Accept header chooses the format of the bare resource.
 #[tokio::test]
 async fn the_accept_header_chooses_the_format() {
@@ -91,6 +120,7 @@ async fn the_accept_header_chooses_the_format() {
         ("image/webp, image/png;q=0.5", "image/webp"),
         ("image/tiff", "image/tiff"),
         ("image/x-exr", "image/x-exr"),
+        ("application/vnd.skyglow.sky", "application/vnd.skyglow.sky"),
     ] {
         let answer = server.get(&path).header("accept", accept).send().await.unwrap();
         assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, media_type));

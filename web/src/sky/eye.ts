@@ -1,0 +1,65 @@
+// The sky as the dark-adapted eye sees it: mesopic brightness (CIE 191:2010, MES-2), the response of photoreceptors (Naka and Rushton
+// 1966), colour that fades to blue-grey where cones see nothing (Jensen et al. 2000). The server's `eye` is the authority, and
+// `shaders/light.glsl` has the same for points and discs.
+
+import type { FourValues } from "./compact.ts";
+import { encodeSrgb, SRGB_FROM_XYZ, type Three } from "./srgb.ts";
+
+const RESPONSE_EXPONENT = 0.73;
+/** Mesopic luminance that an eye adapted to the night sees as half of the brightest. */
+const HALF_BRIGHTNESS_CD_M2 = 0.25;
+const ROD_CHROMATICITY = [0.281, 0.29] as const;
+/** V′(555 nm). */
+const SCOTOPIC_AT_555_NM = 683 / 1699;
+const ITERATIONS = 60;
+
+const [ROD_X, ROD_Y] = ROD_CHROMATICITY;
+const RODS: Three = [ROD_X / ROD_Y, 1, (1 - ROD_X - ROD_Y) / ROD_Y];
+
+/** What both kinds of receptors see together: luminance, and the part of the cones, 0 to 1. */
+export function mesopic(photopicCdM2: number, scotopicCdM2: number): { luminanceCdM2: number; coneShare: number } {
+  let coneShare = 0.5;
+  let luminanceCdM2 = 0;
+  for (let i = 0; i < ITERATIONS; i++) {
+    const rods = (1 - coneShare) * SCOTOPIC_AT_555_NM;
+    luminanceCdM2 = (coneShare * photopicCdM2 + rods * scotopicCdM2) / (coneShare + rods);
+    const next = luminanceCdM2 > 0 ? Math.min(Math.max(0.767 + 0.3334 * Math.log10(luminanceCdM2), 0), 1) : 0;
+    const change = Math.abs(next - coneShare);
+    coneShare = next;
+    if (change < 1e-9) break;
+  }
+  return { luminanceCdM2, coneShare };
+}
+
+/** What the eye at an exposure has as half of the brightest, to the power of its response. */
+export function halfPower(exposureEv: number): number {
+  return (HALF_BRIGHTNESS_CD_M2 / 2 ** exposureEv) ** RESPONSE_EXPONENT;
+}
+
+/** Linear sRGB, 0 to 1, of X, Y, Z and scotopic luminance, cd m⁻². */
+export function seenByEye([x, y, z, scotopic]: FourValues, half: number): Three {
+  const { luminanceCdM2, coneShare } = mesopic(y, scotopic);
+  const power = Math.max(luminanceCdM2, 0) ** RESPONSE_EXPONENT;
+  const shown = power / (power + half);
+  if (!(shown > 0)) return [0, 0, 0];
+  const cones: Three = y > 0 ? [x / y, 1, z / y] : RODS;
+  const light = (i: 0 | 1 | 2) => shown * (coneShare * cones[i] + (1 - coneShare) * RODS[i]);
+  const linear = SRGB_FROM_XYZ.map((row) => row[0] * light(0) + row[1] * light(1) + row[2] * light(2)) as Three;
+  return withinDisplay(linear, shown);
+}
+
+/** A colour moved towards grey of its own luminance until every channel is 0 to 1. */
+function withinDisplay(linear: Three, grey: number): Three {
+  let saturation = 1;
+  for (const channel of linear) {
+    const room = channel > grey ? 1 - grey : grey;
+    const away = Math.abs(channel - grey);
+    if (away > room) saturation = Math.min(saturation, room / away);
+  }
+  return linear.map((channel) => Math.min(Math.max(grey + saturation * (channel - grey), 0), 1)) as Three;
+}
+
+/** The bytes of a luminance of white light of the night, for legends. */
+export function eyeBytes(seen: FourValues, exposureEv: number): Three {
+  return seenByEye(seen, halfPower(exposureEv)).map((channel) => Math.round(255 * encodeSrgb(channel))) as Three;
+}

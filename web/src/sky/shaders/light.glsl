@@ -1,0 +1,65 @@
+// From light to the display: the twins of eye.ts, realistic.ts and srgb.ts.
+
+const int TABLE = 0;
+const int FILM = 1;
+const int EYE = 2;
+const vec3 LUMINANCE_WEIGHTS = vec3(0.2126, 0.7152, 0.0722);
+/** XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted. */
+const mat3 SRGB_FROM_XYZ = mat3(3.2404542, -0.969266, 0.0556434, -1.5371385, 1.8760108, -0.2040259, -0.4985314, 0.041556, 1.0572252);
+/** V'(555 nm). */
+const float SCOTOPIC_AT_555_NM = 683.0 / 1699.0;
+const float RESPONSE_EXPONENT = 0.73;
+/** X and Z over Y of what rods alone see: chromaticity (0.281, 0.290). */
+const vec3 RODS = vec3(0.281 / 0.29, 1.0, (1.0 - 0.281 - 0.29) / 0.29);
+/** The iteration of MES-2 leaves less than a thousandth after so many steps (eye.test.ts). */
+const int ITERATIONS = 16;
+
+uniform int finish;
+/** Of the eye, half of the brightest to the power of its response; of the film, the luminance that counts as 1. */
+uniform float exposure;
+
+vec3 encoded(vec3 linear) {
+  return mix(12.92 * linear, 1.055 * pow(max(linear, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
+}
+
+/** Luminance and the part of the cones (CIE 191:2010, MES-2). */
+vec2 mesopic(float photopic, float scotopic) {
+  float cones = 0.5;
+  float luminance = 0.0;
+  for (int i = 0; i < ITERATIONS; i++) {
+    float rods = (1.0 - cones) * SCOTOPIC_AT_555_NM;
+    luminance = (cones * photopic + rods * scotopic) / (cones + rods);
+    cones = clamp(0.767 + 0.3334 * 0.30103 * log2(max(luminance, 1e-30)), 0.0, 1.0);
+  }
+  return vec2(luminance, cones);
+}
+
+vec3 seen_by_eye(vec4 light) {
+  vec2 seen = mesopic(light.y, light.w);
+  float power = pow(max(seen.x, 1e-30), RESPONSE_EXPONENT);
+  float shown = power / (power + exposure);
+  vec3 cones = light.y > 0.0 ? light.xyz / light.y : RODS;
+  vec3 linear = SRGB_FROM_XYZ * (shown * mix(RODS, cones, seen.y));
+  // Towards grey of its own luminance until every channel is 0 to 1.
+  vec3 away = abs(linear - shown);
+  vec3 room = mix(vec3(shown), vec3(1.0 - shown), step(shown, linear));
+  vec3 saturation = min(room / max(away, vec3(1e-12)), vec3(1.0));
+  return clamp(shown + min(saturation.x, min(saturation.y, saturation.z)) * (linear - shown), 0.0, 1.0);
+}
+
+/** The film's curve, after colours outside sRGB moved towards grey. */
+vec3 filmed(vec3 linear) {
+  float grey = dot(LUMINANCE_WEIGHTS, linear);
+  float lowest = min(linear.x, min(linear.y, linear.z));
+  float saturation = lowest < 0.0 && grey > lowest ? grey / (grey - lowest) : 1.0;
+  vec3 inside = max(grey + saturation * (linear - grey), 0.0);
+  float brightest = max(inside.x, max(inside.y, inside.z));
+  if (brightest <= 0.0) return vec3(0.0);
+  float shown = 1.0 - exp(-brightest);
+  return shown * mix(inside / brightest, vec3(1.0), pow(shown, 4.0));
+}
+
+/** What X, Y, Z and scotopic light look like. */
+vec3 shown_light(vec4 light) {
+  return encoded(finish == EYE ? seen_by_eye(light) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
+}

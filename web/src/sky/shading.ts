@@ -1,0 +1,65 @@
+// The colours of a look for every sample of the grid. Between samples they are interpolated: by the GPU, or by `paint.ts` where there
+// is none. The server interpolates light instead; between samples 1.4° apart no display shows the difference.
+
+import { type ColourMapName, colourTable, type PictureStyle } from "./colour-maps.ts";
+import { halfPower, seenByEye } from "./eye.ts";
+import type { SkyGrid, SkyKind } from "./grid.ts";
+import { filmed, referenceCdM2, seenByCamera } from "./realistic.ts";
+import { logRange } from "./scale.ts";
+import { encodeSrgb, type Three } from "./srgb.ts";
+
+/** Below every unit's scale. */
+const DARKEST = 1e-9;
+export const TABLE_SIZE = 1024;
+/** Ground that hides the sky: brown-grey, and by night darker than any sky, as in the server's pictures. */
+export const GROUND_RGB = [58, 54, 49] as const;
+export const DARK_GROUND_RGB = [4, 5, 6] as const;
+/** What a picture shows, and how. */
+export interface PictureLook {
+  sky: SkyKind;
+  colours: PictureStyle;
+  /** Of the pictures of eye and camera, stops. */
+  exposureEv: number;
+}
+
+export interface Shading {
+  /** Whether the first number of a texel is a place in a colour table, 0 to 1. */
+  isTable: boolean;
+  /** [row][column], four numbers each: red, green and blue as the display takes them, 0 to 1. One row more than the grid has. */
+  texels: Float32Array;
+  groundRgb: readonly [number, number, number];
+}
+
+export function shadingOf(grid: SkyGrid, { sky, colours, exposureEv }: PictureLook): Shading {
+  const encoded = (linear: Three) => linear.map(encodeSrgb);
+  if (colours === "eye") {
+    const half = halfPower(exposureEv);
+    const texels = texelsOf(grid, (sample) => encoded(seenByEye(grid.eyeAt(sky, sample), half)));
+    return { isTable: false, texels, groundRgb: DARK_GROUND_RGB };
+  }
+  if (colours === "realistic") {
+    const reference = referenceCdM2(exposureEv);
+    const texels = texelsOf(grid, (sample) => encoded(filmed(seenByCamera(grid.eyeAt(sky, sample), reference))));
+    return { isTable: false, texels, groundRgb: GROUND_RGB };
+  }
+  const [faintest, brightest] = logRange(grid.seen.unit);
+  const position = (sample: number) =>
+    (Math.log10(Math.max(grid.valueAt(sky, sample), DARKEST)) - faintest) / (brightest - faintest);
+  return { isTable: true, texels: texelsOf(grid, (sample) => [position(sample)]), groundRgb: GROUND_RGB };
+}
+
+/** The grid's rows and one above them: the highest row seen across the zenith, so that the sky is continuous there. */
+export function texelsOf({ azimuthCount, elevationCount }: SkyGrid, colour: (sample: number) => readonly number[]): Float32Array {
+  const texels = new Float32Array((elevationCount + 1) * azimuthCount * 4);
+  for (let sample = 0; sample < elevationCount * azimuthCount; sample++) texels.set(colour(sample), 4 * sample);
+  const rowLength = 4 * azimuthCount;
+  const last = elevationCount * rowLength;
+  texels.copyWithin(last, last - rowLength / 2, last);
+  texels.copyWithin(last + rowLength / 2, last - rowLength, last - rowLength / 2);
+  return texels;
+}
+
+/** The table of a colour map. */
+export function tableOf(map: ColourMapName): Uint8ClampedArray {
+  return colourTable(map, TABLE_SIZE);
+}
