@@ -194,6 +194,11 @@ parameters! {
     }, "", true;
     /// Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone.
     SOLAR_FLUX = "solar_flux", Kind::Number { minimum: 50.0, maximum: 400.0, unit: " sfu" }, "100", false;
+    /// A name of a place, or how one begins, in any script.
+    NAME = "name", Kind::Text {
+        allowed: "1 to 100 characters, such as Nairobi",
+        pattern: "^.{1,100}$",
+    }, "", true;
     /// Id of a scenario or plan of the scene: its lights are as that says.
     SCENARIO = "scenario", Kind::Text {
         allowed: "s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer",
@@ -295,6 +300,8 @@ parameter_sets! {
     NightParameters = [LAT, LON, DATE];
     /// Those of a month of nights.
     NightsParameters = [LAT, LON, MONTH];
+    /// Those of places of the world by name.
+    WorldPlacesParameters = [NAME];
     /// Those of a plan beside its body: what all its sites have in common, and how much of the answer is listed.
     PlanParameters = [
         TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE, SCENARIO, LIMIT,

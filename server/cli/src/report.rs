@@ -64,7 +64,8 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
         }
     }
     if scene.places_count > 0 {
-        rows.add("places", scene.places_count.to_string());
+        let source = scene.places_source.as_ref().map_or(String::new(), |source| format!(" ({source})"));
+        rows.add("places", format!("{}{source}", scene.places_count));
     }
     for (name, value) in [("taken", &scene.date), ("attribution", &scene.attribution)] {
         if let Some(value) = value {

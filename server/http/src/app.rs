@@ -44,6 +44,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(scenes::list_scenes))
         .routes(routes!(scenes::get_scene))
         .routes(routes!(scenes::list_places))
+        .routes(routes!(scenes::list_world_places))
         .routes(routes!(site::get_site))
         .routes(routes!(panorama::get_panorama))
         .routes(routes!(panorama::get_panorama_png))

@@ -28,6 +28,7 @@ pub use units::RadianceUnit;
 
 use self::mosaic::Mosaic;
 use crate::error::SceneError;
+use crate::gazetteer::{GAZETTEER_CREDIT, Gazetteer};
 use crate::light_layer::{LightLayer, Lights};
 use crate::memory::LightCount;
 use crate::metadata::{GridMetadata, Recognition, SceneMetadata};
@@ -80,14 +81,23 @@ pub(crate) fn ingest_as(
     options.radiance = unpacked.paths.clone();
     options.check()?;
     let options = &options;
-    let places = options.places.as_deref().map(places::read).transpose()?.unwrap_or_default();
+    let given = options.places.as_deref().map(places::read).transpose()?;
     let (mosaic, date) = open_mosaic(options)?;
     options
         .check_size(mosaic.size)
         .map_err(|reason| SceneError::Refused { path: mosaic.first().path.clone(), reason })?;
     let mut light = radiance::read(&mosaic, options, progress)?;
-    light.report.warnings.extend(places.warnings);
-    let places = places.places;
+    let (places, places_source) = match given {
+        Some(given) => {
+            light.report.warnings.extend(given.warnings);
+            (given.places, None)
+        }
+        None => {
+            let places = Gazetteer::world().within(light.grid.bounds_deg());
+            let source = (!places.is_empty()).then(|| GAZETTEER_CREDIT.to_owned());
+            (places, source)
+        }
+    };
     let (crs_wkt, crs_name) = mosaic.crs_text()?;
     let terrain = terrain_files::read(options, progress)?;
     terrain_files::set_altitudes(&terrain, &mut light, progress);
@@ -124,6 +134,7 @@ pub(crate) fn ingest_as(
         terrain: !terrain.terrain.is_empty(),
         light_skylines: has_skylines,
         places_count: places.len() as u64,
+        places_source,
         version: String::new(),
     };
     let mut scene = Scene {

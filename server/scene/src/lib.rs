@@ -22,6 +22,7 @@ mod demo;
 mod dual_tree;
 mod error;
 mod gather;
+mod gazetteer;
 mod geotiff;
 mod grid;
 mod grid_sections;
@@ -63,6 +64,7 @@ pub use changes::{
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues};
 pub use error::SceneError;
+pub use gazetteer::{GAZETTEER_CREDIT, Gazetteer, WorldPlace};
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
 pub use ingest::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, ingest};

@@ -39,6 +39,9 @@ pub struct SceneMetadata {
     pub light_skylines: bool,
     /// Number of places with names.
     pub places_count: u64,
+    /// Whom to credit for the places, where the scene brought none of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub places_source: Option<String>,
     /// Hash over all that the scene holds; changes when anything does.
     pub version: String,
 }

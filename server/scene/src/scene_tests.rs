@@ -45,6 +45,7 @@ fn scene() -> Scene {
         terrain: false,
         light_skylines: false,
         places_count: 0,
+        places_source: None,
         version: "v".to_owned(),
     };
     let lights = Lights::new(&grid, pixels, None, 1.0);

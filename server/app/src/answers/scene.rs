@@ -37,6 +37,8 @@ pub struct SceneAnswer {
     pub terrain: bool,
     /// Number of named places.
     pub places_count: u64,
+    /// Whom to credit for the places, where the scene brought none of its own.
+    pub places_source: Option<String>,
     /// Hash over all that the scene holds.
     pub version: String,
 }
@@ -76,6 +78,7 @@ impl From<SceneMetadata> for SceneAnswer {
             illustrative: scene.illustrative,
             terrain: scene.terrain,
             places_count: scene.places_count,
+            places_source: scene.places_source,
             version: scene.version,
         }
     }

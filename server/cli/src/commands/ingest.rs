@@ -37,7 +37,7 @@ pub(crate) struct Ingest {
     /// Whom to credit
     #[arg(long, env = "SKYGLOW_ATTRIBUTION")]
     attribution: Option<String>,
-    /// Places for labels and search: GeoJSON or CSV with name, latitude, longitude and population
+    /// Places for labels and search: GeoJSON or CSV with name, latitude, longitude and population [default: those of GeoNames]
     #[arg(long, env = "SKYGLOW_PLACES", value_name = "FILE")]
     places: Option<PathBuf>,
     /// Subdataset or band to read, by name or number

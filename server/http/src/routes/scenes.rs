@@ -6,7 +6,12 @@ use crate::{
     refusals::{BadParameters, OfScene},
     respond::{CachePolicy, Caching},
 };
-use skyglow_app::{answers::SceneAnswer, source::SkySource};
+use skyglow_app::{
+    answers::SceneAnswer,
+    parameters::WorldPlacesParameters,
+    request::{FoundPlace, world_places},
+    source::SkySource,
+};
 use skyglow_scene::NamedPlace;
 
 /// Lists the scenes.
@@ -46,6 +51,25 @@ pub async fn get_scene(request: JsonRequest) -> Answer {
         .answer(CachePolicy::Revalidate, move |source| {
             Ok(SceneAnswer::from(source.view(&id, None)?.metadata().clone()))
         })
+        .await
+}
+
+/// Finds places of the world by name, and the scene in which each lies.
+#[utoipa::path(
+    get,
+    path = "/api/v1/places",
+    tag = "scenes",
+    params(WorldPlacesParameters),
+    responses(
+        (status = 200, description = "The places, 10 at most: whole names first, then the most populous", body = Vec<FoundPlace>),
+        (status = 304, description = "The client has this answer already"),
+        BadParameters,
+    )
+)]
+pub async fn list_world_places(request: JsonRequest) -> Answer {
+    let query = request.query.clone();
+    request
+        .answer(CachePolicy::Revalidate, move |source| Ok(world_places(query.as_deref(), &source.scenes()?)?))
         .await
 }
 

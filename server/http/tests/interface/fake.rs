@@ -191,6 +191,7 @@ impl Fake {
             terrain: true,
             light_skylines: true,
             places_count: 1,
+            places_source: None,
             // A real scene's is a hash of all that is said of it.
             version: {
                 let measured = if self.illustrative.load(Ordering::SeqCst) { "" } else { "-measured" };

@@ -51,7 +51,7 @@ pub struct IngestOptions {
     pub date: Option<String>,
     /// Whom to credit.
     pub attribution: Option<String>,
-    /// GeoJSON or CSV of named places.
+    /// GeoJSON or CSV of named places; without them those of the gazetteer inside the scene.
     pub places: Option<PathBuf>,
     /// Subdataset or band: its name, or the band's number from 1.
     pub band: Option<String>,
