@@ -3,6 +3,7 @@
 mod assumptions;
 mod brightness;
 mod compact;
+mod darker;
 mod influence;
 mod night_sky;
 mod panorama;
@@ -10,12 +11,15 @@ mod plan;
 mod scenario;
 mod scene;
 mod service;
+mod shares;
 mod site;
+mod skies;
 mod sky;
 
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, ResponseAnswer};
 pub use brightness::{BrightnessAssumptions, brightness_shows};
 pub use compact::{CompactDisc, CompactHeader, CompactPlane, CompactPoints, compact_panorama};
+pub use darker::{DarkerAnswer, DarkerPlaceAnswer, LowSkyAnswer, NearestPlace, PlaceSky};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };
@@ -27,5 +31,7 @@ pub use plan::{
 pub use scenario::{EditAnswer, ScenarioAnswer, ScenarioEntry};
 pub use scene::{GridAnswer, SceneAnswer, SceneReference};
 pub use service::{AtmosphereAnswer, HealthAnswer, TileJson};
+pub use shares::{AreaShare, AreaSharesAnswer, PlaceShare, SharesAnswer};
 pub use site::SiteAnswer;
+pub use skies::{LineError, SkyLine};
 pub use sky::SkyAnswer;

@@ -119,12 +119,16 @@ pub fn csv_table<T: Serialize + Default>(rows: Vec<T>) -> Result<Vec<u8>, Influe
 
 /// A row for each pixel; the column of influences carries their unit in its name.
 fn influence_table(map: &InfluenceMap, unit: &str, limit: usize) -> Result<Vec<u8>, InfluenceFileError> {
+    Ok(with_unit(&csv_table(influential_pixels(map, map.total().influence, limit))?, unit))
+}
+
+/// A table whose column of influences carries their unit in its name.
+pub fn with_unit(table: &[u8], unit: &str) -> Vec<u8> {
     // `cd m-2 sr0.5` becomes `cd_m2_sr0_5`.
     let influence = format!(",influence_{},", unit.replace('-', "").replace([' ', '.'], "_"));
-    let table = csv_table(influential_pixels(map, map.total().influence, limit))?;
     let end = table.iter().position(|byte| *byte == b'\n').unwrap_or(table.len());
     let names = String::from_utf8_lossy(&table[..end]).replacen(",influence,", &influence, 1);
-    Ok([names.as_bytes(), &table[end..]].concat())
+    [names.as_bytes(), &table[end..]].concat()
 }
 
 fn geotiff(

@@ -2,7 +2,7 @@
 //!
 //! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
 //! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
-//! [`plan_file`]).
+//! [`plan_file`], [`shares_file`], [`horizon_file`], [`sky_lines`]).
 
 pub mod accept;
 pub mod answers;
@@ -12,6 +12,7 @@ pub mod error;
 pub mod facts;
 pub mod fingerprint;
 pub mod format;
+pub mod horizon_file;
 pub mod influence_file;
 pub mod observatory;
 pub mod parameters;
@@ -20,6 +21,8 @@ pub mod planning;
 pub mod reader;
 pub mod request;
 pub mod sandbox;
+pub mod shares_file;
+pub mod sky_lines;
 pub mod source;
 pub mod stored;
 pub mod upload_reader;

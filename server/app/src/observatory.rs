@@ -10,8 +10,9 @@ use crate::{
     upload_reader::{UploadOutcome, UploadReader, UploadTask},
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, MAX_PLACES, Observatory,
-    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyRequest, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    MAX_PLACES, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord,
+    SceneView, SkyRequest, Watch,
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{
@@ -223,6 +224,16 @@ impl SkySource for ObservatorySource {
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError> {
         Ok(self.observatory.brightness_in(view, request, store)?)
+    }
+
+    fn darker(
+        &self,
+        request: &DarkerRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<DarkerPlaces, AppError> {
+        let found = self.observatory.darker_in(view, request, watch);
+        found.map_err(|error| AppError::at(error, request.place))
     }
 
     fn store_scenario(&self, scenario: &Scenario, posting: &Posting) -> Result<(ChangeId, bool), AppError> {

@@ -213,6 +213,21 @@ parameters! {
         allowed: "3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60",
         pattern: "^-?[0-9.]+,[0-9.]+(;-?[0-9.]+,[0-9.]+){2,999}$",
     }, "", false;
+    /// What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up.
+    SHARED_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal", "region"]), "", false;
+    /// Number of the named places with the largest shares that are listed; the others are summed up.
+    LISTED_PLACES = "limit", Kind::Integer { minimum: 1, maximum: 10_000 }, "50", false;
+    /// The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case.
+    NAME_FIELD = "name_field", Kind::Text {
+        allowed: "1 to 64 characters, the name of a property that features have",
+        pattern: "^[^&=#]{1,64}$",
+    }, "", false;
+    /// How far from the place darker ones are looked for.
+    WITHIN_KM = "within_km", Kind::Number { minimum: 2.0, maximum: 150.0, unit: " km" }, "60", false;
+    /// Number of darker places that are named at most.
+    DARKER_PLACES = "limit", Kind::Integer { minimum: 1, maximum: 20 }, "6", false;
+    /// Whose horizon file: Stellarium's list of a polygonal horizon, or N.I.N.A.'s, which ends where it began.
+    HORIZON_FORMAT = "format", Kind::Choice(&["stellarium", "nina"]), "stellarium", false;
     /// Projection: fisheye is zenithal equidistant with north up and east left.
     PROJECTION = "projection", Kind::Choice(&["equirectangular", "fisheye", "perspective"]), "equirectangular", false;
     /// Azimuth of the centre of a perspective, clockwise from north.
@@ -322,6 +337,11 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
+    /// Those that many skies have in common; each place may have its own of all but the scenario.
+    SkiesParameters = [
+        HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        TIME, SOLAR_FLUX, SCENARIO,
+    ];
     /// Those of a sky that is summed over every light: it has no basis.
     ReferenceParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, CLOUDS, TERRAIN, SKY, SCENARIO,
@@ -336,8 +356,28 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
         SCENARIO, MEASURE, REGION,
     ];
+    /// Those of shares by named places.
+    SharesParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SCENARIO, SHARED_MEASURE, REGION, LISTED_PLACES,
+    ];
+    /// Those of shares by areas, all of which are listed.
+    AreaSharesParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        SCENARIO, SHARED_MEASURE, REGION, NAME_FIELD,
+    ];
     /// Those of the zenith's brightness at every place.
     BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
+    /// Those of darker places near a place.
+    DarkerParameters = [
+        LAT, LON, WITHIN_KM, DARKER_PLACES, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO,
+    ];
+    /// Those of a horizon.
+    HorizonParameters = [LAT, LON, HEIGHT, ALTITUDE, HORIZON_FORMAT];
+    /// Those of a landscape for Stellarium, which has a horizon and light.
+    LandscapeParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, SCENARIO,
+    ];
     /// Those of a panorama's raw grid.
     GridParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
@@ -397,58 +437,5 @@ negotiated_sets! {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::{
-        strategy::{Strategy, ValueTree},
-        string::string_regex,
-        test_runner::TestRunner,
-    };
-    use skyglow_display::Colormap;
-    use skyglow_physics::{CloudBase, LampPreset};
-    use skyglow_scene::{ChangeId, Cursor};
-    use skyglow_tables::Scattering;
-
-    /// The table names every colour map scattering and lamp that there is.
-    #[test]
-    fn the_table_names_every_choice_there_is() {
-        let Kind::Choice(scatterings) = SCATTERING.kind else { panic!("not a choice") };
-        assert_eq!(scatterings, Scattering::ALL.map(Scattering::name));
-        let Kind::Choice(maps) = COLORMAP.kind else { panic!("not a choice") };
-        assert_eq!(maps, Colormap::ALL.map(Colormap::name));
-        for preset in LampPreset::ALL {
-            assert!(LAMP.allowed().contains(preset.name()), "{preset:?}");
-        }
-    }
-
-    /// Forms of texts are regular expressions that allow what is allowed.
-    #[test]
-    fn patterns_allow_what_is_allowed() {
-        let mut runner = TestRunner::deterministic();
-        let mut made_by = |parameter: Parameter| {
-            let Kind::Text { pattern, .. } = parameter.kind else { panic!("{} is no text", parameter.name) };
-            let form = string_regex(pattern.trim_matches(['^', '$'])).unwrap();
-            (0..500).map(|_| form.new_tree(&mut runner).unwrap().current()).collect::<Vec<String>>()
-        };
-        assert!(made_by(SCENARIO).iter().all(|id| ChangeId::parse(id).is_ok()));
-        assert!(made_by(AFTER).iter().all(|text| Cursor::parse(text).is_some()));
-        assert!(made_by(CLOUDS).iter().all(|text| text == "none" || text.parse::<u32>().is_ok()));
-        for parameter in [LAMP, RESPONSE, EMISSION] {
-            let made = made_by(parameter);
-            assert!(made.iter().any(|text| text == parameter.default), "{}: {made:?}", parameter.name);
-        }
-    }
-
-    /// Defaults of the document are those of the code.
-    #[test]
-    fn documented_defaults_are_those_of_the_code() {
-        let range = skyglow_display::ColourRange::default();
-        assert!(MIN.description.contains("1e-5") && range.min == 1e-5);
-        assert!(MAX.description.contains("0.1") && range.max == 0.1);
-        assert_eq!(FOV.default.parse(), Ok(skyglow_display::options::DEFAULT_FOV_DEG));
-        assert_eq!(ELEVATION.default.parse(), Ok(skyglow_display::options::DEFAULT_ELEVATION_DEG));
-        assert_eq!(TURBIDITY.default.parse(), Ok(skyglow_physics::Turbidity::default().value()));
-        let (lowest_m, highest_m) = (CloudBase::MIN_ALTITUDE_M, CloudBase::MAX_ALTITUDE_M);
-        assert!(CLOUDS.allowed().contains(&format!("from {lowest_m} to {highest_m} m")));
-    }
-}
+#[path = "parameters_tests.rs"]
+mod tests;

@@ -2,8 +2,10 @@
 
 mod area;
 mod brightness;
+mod darker;
 mod emission;
 pub mod geojson;
+mod horizon;
 mod influence;
 mod keeping;
 mod night;
@@ -12,6 +14,8 @@ mod plan_body;
 mod points;
 mod places;
 mod scenario;
+mod shares;
+mod skies;
 mod sky;
 mod spectra;
 #[cfg(test)]
@@ -20,7 +24,9 @@ mod view;
 
 pub use area::{BoundedArea, other_format, without_byte_order_mark};
 pub use brightness::brightness;
+pub use darker::{DarkerQuestion, darker};
 pub use emission::{EmissionBody, GarstangLawBody};
+pub use horizon::{HorizonRequest, check_terrain, horizon, landscape};
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
 pub use keeping::{Keeping, ListRequest, list_request};
 pub use night::{night, nights};
@@ -28,6 +34,8 @@ pub use places::{FoundPlace, world_places};
 pub use plan::{PlanStoreRequest, plan, plan_limit};
 pub use plan_body::{PlanBody, SiteBody};
 pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
+pub use shares::{AreaSharesRequest, NamedArea, SharesRequest, area_shares, shares};
+pub use skies::{MAX_SKIES, SkiesBody, SkiesRequest, SkyOfMany, skies};
 pub use view::PictureRequest;
 
 use self::{

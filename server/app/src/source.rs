@@ -8,8 +8,9 @@ use crate::{
     request::ListRequest,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, ObservatoryError, PlanOutcome,
-    PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest,
+    Watch,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
@@ -123,6 +124,16 @@ pub trait SkySource: Send + Sync + 'static {
         view: &SceneView,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError>;
+    /// Finds darker places near a place; takes tenths of a second of all cores. `watch` as in [`Self::influence`].
+    ///
+    /// # Errors
+    /// As [`Self::site`] and [`Self::brightness`].
+    fn darker(
+        &self,
+        request: &DarkerRequest,
+        view: &SceneView,
+        watch: &Watch<'_>,
+    ) -> Result<DarkerPlaces, AppError>;
     /// Stores a scenario if it can be painted, and whether it is new.
     ///
     /// # Errors

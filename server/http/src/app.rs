@@ -11,8 +11,8 @@ use crate::{
         respond_async, share_across_origins, tag_encodings,
     },
     routes::{
-        atmospheres, docs, health, influence, jobs, layers, night, panorama, plans, problems, scenarios,
-        scenes, site, sky, tilejson, tiles, uploads, viewer,
+        atmospheres, darker, docs, health, horizon, influence, jobs, layers, night, panorama, plans,
+        problems, scenarios, scenes, shares, site, skies, sky, tilejson, tiles, uploads, viewer,
     },
     state::AppState,
     token_buckets::TokenBuckets,
@@ -54,13 +54,19 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(panorama::get_panorama_json))
         .routes(routes!(panorama::get_panorama_sky))
         .routes(routes!(sky::get_sky))
+        .routes(routes!(skies::post_skies))
         .routes(routes!(night::get_night))
         .routes(routes!(night::list_nights))
+        .routes(routes!(darker::get_darker))
+        .routes(routes!(horizon::get_horizon_txt))
+        .routes(routes!(horizon::get_landscape_zip))
         .routes(routes!(influence::get_influence, influence::post_influence))
         .routes(routes!(influence::get_influence_json, influence::post_influence_json))
         .routes(routes!(influence::get_influence_tif, influence::post_influence_tif))
         .routes(routes!(influence::get_influence_geojson, influence::post_influence_geojson))
         .routes(routes!(influence::get_influence_csv, influence::post_influence_csv))
+        .routes(routes!(shares::get_shares, shares::post_shares))
+        .routes(routes!(shares::get_shares_csv, shares::post_shares_csv))
         .routes(routes!(plans::list_plans, plans::post_plan))
         .routes(routes!(plans::get_plan, plans::delete_plan))
         .routes(routes!(jobs::get_job, jobs::delete_job))

@@ -29,8 +29,8 @@ use utoipa::{
         (name = "atmospheres", description = "Resident table packs"),
         (name = "operation", description = "For those who run the server"),
     ),
-    // The head of a binary answer, which no path names.
-    components(schemas(CompactHeader)),
+    // The head of a binary answer, and lines of answers: no path names them.
+    components(schemas(CompactHeader, skyglow_app::answers::SkyLine)),
     servers((url = "/")),
     // A key is never needed: it has a rate and a quota of its own.
     security((), ("api_key" = []), ("bearer_key" = [])),
@@ -76,8 +76,11 @@ pub(crate) fn complete(document: &mut utoipa::openapi::OpenApi) {
             }
             for response in operation.responses.responses.values_mut() {
                 let RefOr::T(response) = response else { continue };
-                let is_binary =
-                    |media_type: &str| media_type.starts_with("image/") || media_type.contains("vnd.skyglow");
+                let is_binary = |media_type: &str| {
+                    media_type.starts_with("image/")
+                        || media_type == "application/zip"
+                        || media_type.contains("vnd.skyglow")
+                };
                 let files = response.content.iter_mut().filter(|(media_type, _)| is_binary(media_type));
                 files.for_each(|(_, content)| *content = RefOr::T(bytes()));
             }

@@ -11,7 +11,8 @@ use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Lamp, Response, Turbidity}
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
-    ChangeId, PatchStore, PlaceKernel, PlaceValues, PolarGrid, RasterTile, Scene, SceneId, SceneMetadata,
+    ChangeId, PatchStore, PlaceKernel, PlaceLattice, PlaceValues, PolarGrid, RasterTile, Scene, SceneId,
+    SceneMetadata,
 };
 use skyglow_tables::Scattering;
 use std::{
@@ -145,6 +146,36 @@ impl Observatory {
             clock = Instant::now();
         };
         let scene = Arc::clone(view.scene());
+        let lattice = scene.place_lattice(request.max_places);
+        let altitudes_m: Vec<f32> =
+            scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
+        step("ground");
+        let values = self.zenith_at(&scene, request, (lattice, &altitudes_m), store, &mut step)?;
+        let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
+        Ok(BrightnessMap { scene, places, response: request.response.clone(), steps })
+    }
+
+    /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
+    pub(crate) fn eye_m(&self, ground_m: f32) -> f32 {
+        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
+        let eye_m = ground_m + EYE_HEIGHT_M as f32;
+        if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
+    }
+
+    /// What is seen at the zenith of the places of a lattice; NaN where the altitude is.
+    ///
+    /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    ///
+    /// # Errors
+    /// As [`Self::brightness_in`].
+    pub(crate) fn zenith_at(
+        &self,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        store: &dyn PatchStore,
+        step: &mut dyn FnMut(&'static str),
+    ) -> Result<Vec<f32>, ObservatoryError> {
         let solver = self.influences.solver(&self.engine);
         let to_render = |turbidity: Turbidity| RenderRequest {
             polar: Arc::new(dark()),
@@ -158,22 +189,13 @@ impl Observatory {
         };
         let set = self.engine.table_set();
         let stencil = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_stencil;
-        let lattice = scene.place_lattice(request.max_places);
-        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
-        let eye_m = |ground_m: f32| {
-            let eye_m = ground_m + EYE_HEIGHT_M as f32;
-            if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
-        };
-        let altitudes_m: Vec<f32> = scene.ground_altitudes_m(lattice).into_iter().map(eye_m).collect();
-        step("ground");
         let observers_m = altitudes_m.iter().filter(|m| !m.is_nan()).fold(None, |range, &altitude_m| {
             let [lowest, highest]: [f32; 2] = range.unwrap_or([altitude_m; 2]);
             Some([lowest.min(altitude_m), highest.max(altitude_m)])
         });
-        let dark_places = || altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect::<Vec<f32>>();
         let hides = request.terrain_hides && self.hides_lights(request.kind());
         let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
-            return map(scene, (lattice, &request.response), dark_places(), steps);
+            return Ok(altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect());
         };
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
@@ -193,15 +215,14 @@ impl Observatory {
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
             step("kernel");
             let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
-            let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &of_pack);
+            let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");
         }
-        let values = match of_packs.len() {
+        Ok(match of_packs.len() {
             1 => of_packs.swap_remove(0),
             _ => blended(&of_packs, stencil.weights()),
-        };
-        map(scene, (lattice, &request.response), values, steps)
+        })
     }
 }
 
@@ -226,16 +247,6 @@ impl PatchStore for OfPack<'_> {
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
         self.store.store(self.number(patch), sums, (self.pack as f64 + progress) / self.packs as f64)
     }
-}
-
-fn map(
-    scene: Arc<Scene>,
-    (lattice, response): (skyglow_scene::PlaceLattice, &Response),
-    values: Vec<f32>,
-    steps: Vec<(&'static str, Duration)>,
-) -> Result<BrightnessMap, ObservatoryError> {
-    let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
-    Ok(BrightnessMap { scene, places, response: response.clone(), steps })
 }
 
 /// The logarithms of what the packs say, with their weights; 0 where one says 0.

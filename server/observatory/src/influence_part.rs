@@ -34,10 +34,16 @@ impl Part {
                 part
             })
             .collect();
-        parts.into_iter().fold(Self::default(), |all, part| Self {
-            influence: all.influence + part.influence,
-            flux_dnb_w: all.flux_dnb_w + part.flux_dnb_w,
-            pixels: all.pixels + part.pixels,
-        })
+        parts.into_iter().fold(Self::default(), Self::with)
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            influence: self.influence + other.influence,
+            flux_dnb_w: self.flux_dnb_w + other.flux_dnb_w,
+            pixels: self.pixels + other.pixels,
+        }
     }
 }

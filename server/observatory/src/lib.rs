@@ -3,6 +3,8 @@
 pub mod brightness;
 mod cache_sizes;
 mod change;
+mod clean_directions;
+mod darker;
 pub mod error;
 pub mod influence;
 mod influence_cache;
@@ -18,6 +20,7 @@ mod reduction_plan;
 mod scene_cache;
 mod scene_health;
 mod scene_view;
+mod shares;
 mod sky;
 mod surroundings;
 mod watch;
@@ -25,6 +28,8 @@ mod watch;
 pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
+pub use clean_directions::{LowSky, low_sky};
+pub use darker::{DarkerPlace, DarkerPlaces, DarkerRequest, Footing};
 pub use error::ObservatoryError;
 pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, SeenMeasure, influence_of_pixels};
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
@@ -37,5 +42,6 @@ pub use plan_request::{
     TargetSite,
 };
 pub use scene_view::{SceneView, Site};
+pub use shares::{Shares, TOWN_REACH, town_radius_m};
 pub use sky::{ObserverHeight, RenderContext, RenderedSky, SkyRequest};
 pub use watch::Watch;

@@ -122,7 +122,7 @@ impl Boundary {
 
     /// A circle around the area: its centre as a unit vector and its radius along the chord, metres; the whole sphere for
     /// large areas.
-    pub(crate) fn circle(&self) -> (DVec3, f64) {
+    pub fn circle(&self) -> (DVec3, f64) {
         const STEPS: u32 = 8;
         let (west, south, east, north) = (self.west_deg, self.south_deg, self.east_deg, self.north_deg);
         let whole = (DVec3::Z, 2.0 * EARTH_RADIUS_M);

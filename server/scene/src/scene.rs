@@ -416,6 +416,12 @@ impl Scene {
         PlaceLattice::within(self.grid.width, self.grid.height, max_places)
     }
 
+    /// The same for the part of the raster within reach of a place, with about `step_m` from one place to the next, or more where
+    /// those would be more than 40 000; None where the place is off the raster.
+    pub fn place_window(&self, place: GeoPoint, reach_m: f64, step_m: f64) -> Option<PlaceLattice> {
+        PlaceLattice::around(&self.grid, place, reach_m, step_m)
+    }
+
     /// A place of a lattice by its column and row.
     pub fn lattice_place(&self, lattice: PlaceLattice, column: u32, row: u32) -> GeoPoint {
         GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))

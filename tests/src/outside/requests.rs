@@ -71,7 +71,7 @@ pub fn parameters(bytes: &[u8]) {
     let Some((which, text)) = bytes.split_first() else { return };
     let text = String::from_utf8_lossy(text);
     let (query, facts) = (Some(&*text), facts());
-    let checked = match which % 8 {
+    let checked = match which % 10 {
         0 => request::sky(query, scene(), &facts).map(|(request, _)| check_sky(&request)),
         1 => request::panorama(query, scene(), &facts, Format::Png).map(|(request, picture)| {
             check_sky(&request);
@@ -86,7 +86,9 @@ pub fn parameters(bytes: &[u8]) {
         5 => request::brightness(query, scene(), &facts).map(|request| {
             assert!((1.5..=6.0).contains(&request.turbidity.value()), "{request:?}");
         }),
-        6 => request::place(query).map(|(place, _)| check_place(place)),
+        6 => request::darker(query, scene(), &facts).map(|asked| check_sky(&asked.here)),
+        7 => request::horizon(query, &facts).map(|asked| check_place(asked.place)),
+        8 => request::place(query).map(|(place, _)| check_place(place)),
         _ => request::scene_id(&text).map(|id| {
             let id = id.as_str();
             assert!(!id.is_empty() && !id.contains(['/', '\\', '.', '\0']), "{id}");
@@ -102,7 +104,7 @@ pub fn body(bytes: &[u8]) {
     let Some((which, body)) = bytes.split_first() else { return };
     let facts = facts();
     let place = Some("lat=46.17&lon=8.79");
-    let checked = match which % 3 {
+    let checked = match which % 5 {
         0 => request::scenario(None, body, scene()).map(|(scenario, _)| {
             // What is kept can be written and read again.
             let text = serde_json::to_vec(&scenario).unwrap_or_default();
@@ -113,6 +115,17 @@ pub fn body(bytes: &[u8]) {
             let sites = asked.request.sites();
             assert!(!sites.is_empty() && sites.len() <= 64);
             sites.iter().for_each(|site| check_sky(&site.sky));
+        }),
+        3 => request::skies(None, body, scene(), &facts).map(|asked| {
+            assert!((1..=request::MAX_SKIES).contains(&asked.skies.len()));
+            asked
+                .skies
+                .iter()
+                .filter_map(|sky| sky.read(scene(), &facts).ok())
+                .for_each(|sky| check_sky(&sky));
+        }),
+        2 => request::area_shares(place, body, scene(), &facts).map(|asked| {
+            assert!(!asked.areas.is_empty() && asked.areas.iter().all(|area| !area.name.is_empty()));
         }),
         _ => request::influence(place, Some(body), scene(), &facts, InfluenceFormat::Json)
             .map(|asked| check_sky(&asked.request.sky)),

@@ -212,6 +212,49 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/scenes/{scene}/darker": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Darker places near a place: where they are, what they gain, and in which directions their low sky is clean.
+         * @description Some ten thousand places around are compared by the brightness of their zenith, two metres above the ground. The darkest within
+         *     reach, within half of it, a quarter and an eighth are named, and others nearly as dark that lie apart. Places on the sea are left
+         *     out where the terrain shows it.
+         */
+        get: operations["get_darker"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenes/{scene}/horizon.txt": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * The horizon of a place as Stellarium or N.I.N.A. reads it: azimuth and altitude in degrees, a line each, for 256 azimuths.
+         * @description From the scene's terrain with the Earth's curvature, without refraction. Save it as `.txt` for a polygonal landscape of Stellarium,
+         *     or as `.hrz` for N.I.N.A.
+         */
+        get: operations["get_horizon_txt"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/scenes/{scene}/influence": {
         parameters: {
             query?: never;
@@ -291,6 +334,26 @@ export interface paths {
         get: operations["get_influence_tif"];
         put?: never;
         post: operations["post_influence_tif"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenes/{scene}/landscape.zip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A landscape for Stellarium: a zip archive to install as it is, with the horizon, the position, the brightness that artificial light
+         *     gives the zenith, and the extinction of the air.
+         */
+        get: operations["get_landscape_zip"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -531,6 +594,48 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/scenes/{scene}/shares": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description A light belongs to the place that is nearest in units of the place's own radius, which grows with its inhabitants. */
+        get: operations["get_shares"];
+        put?: never;
+        /**
+         * @description The body is a GeoJSON FeatureCollection of Polygons and MultiPolygons, such as municipalities. Every feature gets its
+         *     share under its own name.
+         */
+        post: operations["post_shares"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenes/{scene}/shares.csv": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description A light belongs to the place that is nearest in units of the place's own radius, which grows with its inhabitants. */
+        get: operations["get_shares_csv"];
+        put?: never;
+        /**
+         * @description The body is a GeoJSON FeatureCollection of Polygons and MultiPolygons, such as municipalities. Every feature gets its
+         *     share under its own name.
+         */
+        post: operations["post_shares_csv"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/scenes/{scene}/site": {
         parameters: {
             query?: never;
@@ -542,6 +647,27 @@ export interface paths {
         get: operations["get_site"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenes/{scene}/skies": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * The numbers of the skies of up to 1000 places, a line of JSON for each, in the order of the body, sent as they are made.
+         * @description A place takes every parameter of `GET sky` but `scenario`; what the query says holds for the places that do not say it themselves. A
+         *     place that cannot be answered has its error in its line, and the others their skies.
+         */
+        post: operations["post_skies"];
         delete?: never;
         options?: never;
         head?: never;
@@ -683,6 +809,36 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /** @description An area with the part of the lights in it. */
+        AreaShare: components["schemas"]["PartAnswer"] & {
+            /** @description Its feature in the body, from 1. */
+            feature: number;
+            /** @description Its name. */
+            name: string;
+            /** @description Place in the list, from 1. */
+            rank: number;
+        };
+        /** @description Whose artificial light a sky is, by areas. The shares of areas that do not overlap and of `outside` add up to 1. */
+        AreaSharesAnswer: components["schemas"]["Assumptions"] & {
+            /** @description All areas, the largest share first. */
+            areas: components["schemas"]["AreaShare"][];
+            /** @description `zenith`, `mean`, `horizontal` or `region`. */
+            measure: string;
+            /** @description Lights in none of them. */
+            outside: components["schemas"]["PartAnswer"];
+            /**
+             * Format: int64
+             * @description Lit pixels that lie in more than one area, and count for each.
+             */
+            shared_pixels: number;
+            /**
+             * Format: double
+             * @description The sky's own value of the measure: artificial light alone.
+             */
+            total: number;
+            /** @description Unit of influences. */
+            unit: string;
+        };
         /** @description What every number depends on. */
         Assumptions: {
             /** @description Basis functions used. */
@@ -1014,6 +1170,60 @@ export interface components {
              *     comes through it. Discs and stars themselves are not in it.
              */
             zenith_luminance_cd_m2: number;
+        };
+        /** @description Darker places near a place, and what they gain. */
+        DarkerAnswer: components["schemas"]["Assumptions"] & {
+            /** @description Places that were compared. */
+            compared_count: number;
+            /** @description The place asked for. */
+            here: components["schemas"]["PlaceSky"];
+            /** @description Darker ones, the darkest first. None where none within reach has at least a tenth less artificial light. */
+            places: components["schemas"]["DarkerPlaceAnswer"][];
+            /** @description Places left out as the sea, or as gaps in the terrain. */
+            sea_or_gap_count: number;
+            /**
+             * Format: double
+             * @description From one place that was compared to the next, metres.
+             */
+            step_m: number;
+            /** @description Places left out as higher than the table packs reach. */
+            too_high_count: number;
+            /**
+             * Format: double
+             * @description How far was looked, metres.
+             */
+            within_m: number;
+        };
+        /** @description A darker place. */
+        DarkerPlaceAnswer: components["schemas"]["PlaceSky"] & {
+            /**
+             * Format: double
+             * @description Its artificial light at the zenith over that of the place asked for.
+             */
+            artificial_ratio?: number | null;
+            /**
+             * Format: double
+             * @description From the place asked for, degrees clockwise from north.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description From the place asked for along the ground, metres.
+             */
+            distance_m: number;
+            /**
+             * Format: double
+             * @description How much darker its zenith is in total, mag arcsec⁻².
+             */
+            gain_mag?: number | null;
+            /**
+             * @description What the terrain says of the ground: `land`; `level` where it is at one level all around, a lake or a plain; `unknown` in a scene
+             *     without terrain. Nobody knows whether one may go there.
+             */
+            ground: string;
+            nearest_place?: components["schemas"]["NearestPlace"] | null;
+            /** @description Place in the list, from 1. */
+            rank: number;
         };
         /**
          * @description What the Sun makes of the hour.
@@ -1453,6 +1663,41 @@ export interface components {
          * @enum {string}
          */
         Light: "artificial" | "total";
+        /** @description Why a place has no sky. */
+        LineError: {
+            /** @description What is wrong, in words. */
+            detail: string;
+            /** @description What is wrong with which parameter. */
+            errors: components["schemas"]["FieldError"][];
+        };
+        /** @description Artificial light low in the sky. A direction is the mean over 15° of azimuth and the lowest 30° of the visible sky. */
+        LowSkyAnswer: {
+            /**
+             * Format: double
+             * @description Azimuth of the brightest direction, degrees clockwise from north.
+             */
+            brightest_azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Artificial luminance there, cd m⁻².
+             */
+            brightest_luminance_cd_m2: number;
+            /**
+             * @description Ranges of azimuth, first and last in degrees, in which artificial light is at most half of a natural sky of 22.0 mag arcsec⁻²;
+             *     of 15° or more. The last is below the first where a range passes north.
+             */
+            clean_directions_deg: number[][];
+            /**
+             * Format: double
+             * @description Azimuth of the darkest direction, degrees clockwise from north.
+             */
+            darkest_azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Artificial luminance there, cd m⁻².
+             */
+            darkest_luminance_cd_m2: number;
+        };
         /** @description Where the Milky Way stands out most. */
         MilkyWayContrast: {
             /**
@@ -1552,6 +1797,21 @@ export interface components {
          * @enum {string}
          */
         MoonPhase: "new_moon" | "waxing_crescent" | "first_quarter" | "waxing_gibbous" | "full_moon" | "waning_gibbous" | "last_quarter" | "waning_crescent";
+        /** @description The named place nearest to a place. */
+        NearestPlace: {
+            /**
+             * Format: double
+             * @description The direction from it, degrees clockwise from north.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description From it along the ground, metres.
+             */
+            distance_m: number;
+            /** @description Its name. */
+            name: string;
+        };
         /** @description A night: from noon to noon in local mean solar time. */
         Night: {
             /** @description The Sun lower than −18°, the Moon there or not. */
@@ -1713,6 +1973,82 @@ export interface components {
              * @description Inhabitants, where known.
              */
             population?: number | null;
+        };
+        /** @description A named place with the part of its lights. */
+        PlaceShare: components["schemas"]["PartAnswer"] & {
+            /**
+             * Format: double
+             * @description Its azimuth from the observer, degrees clockwise from north.
+             */
+            azimuth_deg: number;
+            /**
+             * Format: double
+             * @description Its distance from the observer along the ground, metres.
+             */
+            distance_m: number;
+            /**
+             * Format: double
+             * @description Degrees north.
+             */
+            latitude_deg: number;
+            /**
+             * Format: double
+             * @description Degrees east.
+             */
+            longitude_deg: number;
+            /** @description Its name. */
+            name: string;
+            /**
+             * Format: int64
+             * @description Inhabitants, where known.
+             */
+            population?: number | null;
+            /** @description Place in the list, from 1. */
+            rank: number;
+        };
+        /** @description A place with its sky, in short. */
+        PlaceSky: {
+            /**
+             * Format: int32
+             * @description Bortle class of the total at the zenith.
+             */
+            bortle_class?: number | null;
+            /**
+             * Format: double
+             * @description Degrees north.
+             */
+            latitude_deg: number;
+            /**
+             * Format: double
+             * @description Degrees east.
+             */
+            longitude_deg: number;
+            low_sky?: components["schemas"]["LowSkyAnswer"] | null;
+            /**
+             * Format: double
+             * @description Faintest star at the zenith for the naked eye, mag.
+             */
+            naked_eye_limit_mag?: number | null;
+            /**
+             * Format: double
+             * @description Artificial light at the zenith over the natural.
+             */
+            ratio_to_natural: number;
+            /**
+             * Format: double
+             * @description Altitude of the ground, metres, at least 0; null where it is not known.
+             */
+            terrain_altitude_m?: number | null;
+            /**
+             * Format: double
+             * @description Artificial luminance within 5° of the zenith, cd m⁻².
+             */
+            zenith_luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description Total brightness of the zenith, mag arcsec⁻².
+             */
+            zenith_total_brightness_mag_arcsec2?: number | null;
         };
         /** @description A plan. Its facts are those of the time when it was made. */
         PlanAnswer: components["schemas"]["PlanFacts"] & {
@@ -2295,6 +2631,26 @@ export interface components {
             /** @description `N`, `NE`, … `NW`. */
             name: string;
         };
+        /** @description Whose artificial light a sky is, by named places. The shares of all that is listed, of `other_places` and of `elsewhere` add up to 1. */
+        SharesAnswer: components["schemas"]["Assumptions"] & {
+            /** @description Lights that are near no named place. */
+            elsewhere: components["schemas"]["PartAnswer"];
+            /** @description `zenith`, `mean`, `horizontal` or `region`. */
+            measure: string;
+            /** @description All of those together. */
+            other_places: components["schemas"]["PartAnswer"];
+            /** @description Named places with lights that are not listed. */
+            other_places_count: number;
+            /** @description The named places with the largest shares, the largest first. */
+            places: components["schemas"]["PlaceShare"][];
+            /**
+             * Format: double
+             * @description The sky's own value of the measure: artificial light alone.
+             */
+            total: number;
+            /** @description Unit of influences. */
+            unit: string;
+        };
         /** @description A place on WGS84. */
         Site: {
             /** Format: double */
@@ -2395,11 +2751,26 @@ export interface components {
                 number
             ][] | null;
         };
+        /** @description The places, and the times that each of them is asked for. */
+        SkiesBody: {
+            /** @description Up to 1000 places: objects with `lat` and `lon`, any other parameter of a sky but `scenario`, and a `name` that comes back. */
+            places: Record<string, unknown>[];
+            /** @description Times of each place, RFC 3339; places times times are 1000 at most. */
+            times?: string[] | null;
+        };
         /** @description The numbers alone. */
         SkyAnswer: components["schemas"]["Assumptions"] & {
             night_sky?: components["schemas"]["NightSkyAnswer"] | null;
             /** @description The numbers. */
             sky: components["schemas"]["QuantitiesAnswer"];
+        };
+        /** @description One of many skies: the answer of `GET sky`, or an error. */
+        SkyLine: (components["schemas"]["SkyAnswer"] | null) & {
+            error?: components["schemas"]["LineError"] | null;
+            /** @description The name that it came with. */
+            name?: string | null;
+            /** @description Number of the place in the body, from 0. */
+            place: number;
         };
         /**
          * @description A body that neither rises nor sets.
@@ -2574,6 +2945,8 @@ export interface components {
     headers: never;
     pathItems: never;
 }
+export type AreaShare = components['schemas']['AreaShare'];
+export type AreaSharesAnswer = components['schemas']['AreaSharesAnswer'];
 export type Assumptions = components['schemas']['Assumptions'];
 export type AtmosphereAnswer = components['schemas']['AtmosphereAnswer'];
 export type BodiesAnswer = components['schemas']['BodiesAnswer'];
@@ -2588,6 +2961,8 @@ export type CompactPlane = components['schemas']['CompactPlane'];
 export type CompactPoints = components['schemas']['CompactPoints'];
 export type Component = components['schemas']['Component'];
 export type ComponentAnswer = components['schemas']['ComponentAnswer'];
+export type DarkerAnswer = components['schemas']['DarkerAnswer'];
+export type DarkerPlaceAnswer = components['schemas']['DarkerPlaceAnswer'];
 export type Daylight = components['schemas']['Daylight'];
 export type DimmedPixelAnswer = components['schemas']['DimmedPixelAnswer'];
 export type DirectionLimitAnswer = components['schemas']['DirectionLimitAnswer'];
@@ -2611,11 +2986,14 @@ export type LampAnswer = components['schemas']['LampAnswer'];
 export type LampBody = components['schemas']['LampBody'];
 export type LevelBody = components['schemas']['LevelBody'];
 export type Light = components['schemas']['Light'];
+export type LineError = components['schemas']['LineError'];
+export type LowSkyAnswer = components['schemas']['LowSkyAnswer'];
 export type MilkyWayContrast = components['schemas']['MilkyWayContrast'];
 export type Mistake = components['schemas']['Mistake'];
 export type MoonAnswer = components['schemas']['MoonAnswer'];
 export type MoonEvents = components['schemas']['MoonEvents'];
 export type MoonPhase = components['schemas']['MoonPhase'];
+export type NearestPlace = components['schemas']['NearestPlace'];
 export type Night = components['schemas']['Night'];
 export type NightSkyAnswer = components['schemas']['NightSkyAnswer'];
 export type ObserverAnswer = components['schemas']['ObserverAnswer'];
@@ -2624,6 +3002,8 @@ export type PanoramaGrid = components['schemas']['PanoramaGrid'];
 export type PartAnswer = components['schemas']['PartAnswer'];
 export type PhaseEvent = components['schemas']['PhaseEvent'];
 export type PlaceAnswer = components['schemas']['PlaceAnswer'];
+export type PlaceShare = components['schemas']['PlaceShare'];
+export type PlaceSky = components['schemas']['PlaceSky'];
 export type PlanAnswer = components['schemas']['PlanAnswer'];
 export type PlanBody = components['schemas']['PlanBody'];
 export type PlanEntry = components['schemas']['PlanEntry'];
@@ -2644,10 +3024,13 @@ export type SceneAnswer = components['schemas']['SceneAnswer'];
 export type SceneReference = components['schemas']['SceneReference'];
 export type SceneUpload = components['schemas']['SceneUpload'];
 export type SectorAnswer = components['schemas']['SectorAnswer'];
+export type SharesAnswer = components['schemas']['SharesAnswer'];
 export type Site = components['schemas']['Site'];
 export type SiteAnswer = components['schemas']['SiteAnswer'];
 export type SiteBody = components['schemas']['SiteBody'];
+export type SkiesBody = components['schemas']['SkiesBody'];
 export type SkyAnswer = components['schemas']['SkyAnswer'];
+export type SkyLine = components['schemas']['SkyLine'];
 export type Stays = components['schemas']['Stays'];
 export type SunAnswer = components['schemas']['SunAnswer'];
 export type SunEvents = components['schemas']['SunEvents'];
@@ -3732,6 +4115,218 @@ export interface operations {
             };
             /** @description The disk does not let it go */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_darker: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description How far from the place darker ones are looked for. Allowed: 2 to 150 km. */
+                within_km?: number;
+                /** @description Number of darker places that are named at most. Allowed: a whole number from 1 to 20. */
+                limit?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The darker places, the darkest first */
+            200: {
+                headers: {
+                    /** @description Milliseconds that each step of the search took, when it was made */
+                    "server-timing"?: string;
+                    /** @description What the sky had to do without, where anything: the same as `warnings` */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DarkerAnswer"];
+                };
+            };
+            /** @description The client has this answer already; nothing was computed */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_horizon_txt: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Whose horizon file: Stellarium's list of a polygonal horizon, or N.I.N.A.'s, which ends where it began. Allowed: stellarium, nina. */
+                format?: "stellarium" | "nina";
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The horizon */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5219,6 +5814,124 @@ export interface operations {
             };
             /** @description The body is too long */
             413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_landscape_zip: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The archive */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": string;
+                };
+            };
+            /** @description The client has this answer already; nothing was rendered */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -7229,6 +7942,582 @@ export interface operations {
             };
         };
     };
+    get_shares: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description Number of the named places with the largest shares that are listed; the others are summed up. Allowed: a whole number from 1 to 10000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharesAnswer"];
+                };
+            };
+            /** @description The client has this answer already; nothing was computed */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_shares: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case. Allowed: 1 to 64 characters, the name of a property that features have. */
+                name_field?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        /** @description A GeoJSON FeatureCollection */
+        requestBody: {
+            content: {
+                "application/json": Record<string, unknown>;
+            };
+        };
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AreaSharesAnswer"];
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
+            /** @description Bad parameters, or a body that cannot be meant */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_shares_csv: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description Number of the named places with the largest shares that are listed; the others are summed up. Allowed: a whole number from 1 to 10000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            /** @description The client has this answer already; nothing was computed */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_shares_csv: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case. Allowed: 1 to 64 characters, the name of a property that features have. */
+                name_field?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        /** @description A GeoJSON FeatureCollection */
+        requestBody: {
+            content: {
+                "application/json": Record<string, unknown>;
+            };
+        };
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
+            /** @description Bad parameters, or a body that cannot be meant */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_site: {
         parameters: {
             query: {
@@ -7302,6 +8591,140 @@ export interface operations {
             };
             /** @description Too many requests; Retry-After says when to try again */
             429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_skies: {
+        parameters: {
+            query?: {
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SkiesBody"];
+            };
+        };
+        responses: {
+            /** @description A line for each place and time, which is a SkyLine */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-ndjson": string;
+                };
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -9,6 +9,32 @@ use thiserror::Error;
 #[serde(transparent)]
 pub struct BoundaryBody(geojson::GeoJson);
 
+/// One feature of GeoJSON, or what stands by itself without properties.
+#[derive(Clone, Debug)]
+pub struct FeatureBody {
+    /// Its properties.
+    pub properties: serde_json::Map<String, serde_json::Value>,
+    /// What it covers.
+    pub area: BoundaryBody,
+}
+
+impl BoundaryBody {
+    /// Its features, each by itself.
+    pub fn into_features(self) -> Vec<FeatureBody> {
+        let one = |mut feature: geojson::Feature| FeatureBody {
+            properties: feature.properties.take().unwrap_or_default(),
+            area: Self(geojson::GeoJson::Feature(feature)),
+        };
+        match self.0 {
+            geojson::GeoJson::FeatureCollection(all) => all.features.into_iter().map(one).collect(),
+            geojson::GeoJson::Feature(feature) => vec![one(feature)],
+            geometry @ geojson::GeoJson::Geometry(_) => {
+                vec![FeatureBody { properties: serde_json::Map::new(), area: Self(geometry) }]
+            }
+        }
+    }
+}
+
 /// Why GeoJSON names no area.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum AreaError {

@@ -9,7 +9,7 @@ use crate::{
     accept::InfluenceFormat,
     error::AppError,
     facts::SourceFacts,
-    parameters::{self as p, ParameterSet},
+    parameters::{self as p, Parameter, ParameterSet},
     reader::Reader,
     request::geojson::BoundaryBody,
     validation::{FieldError, ValidationCode, message_with_echo},
@@ -68,7 +68,7 @@ pub fn influence(
     };
     let sky = read_sky(&mut reader, scene, facts);
     let region = read_region(&mut reader, body.region);
-    let measure = region.and_then(|region| read_measure(&mut reader, region));
+    let measure = region.and_then(|region| read_measure(&mut reader, &p::MEASURE, region));
     let limit = reader.integer(&p::LIMIT).map_or(DEFAULT_LIMIT, |limit| limit as usize);
     let boundary = body.boundary.and_then(|body| match BoundedArea::new(&body) {
         Ok(boundary) => Some(boundary),
@@ -101,7 +101,7 @@ pub(super) fn body_of<T: DeserializeOwned + Default>(bytes: &[u8], reader: &mut 
 }
 
 /// The curve of the body, or that of the query; None where one was refused.
-fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Option<SkyCurve>> {
+pub(super) fn read_region(reader: &mut Reader, body: Option<Vec<[f64; 2]>>) -> Option<Option<SkyCurve>> {
     let text = reader.text(&p::REGION).map(str::to_owned);
     if body.is_some() && text.is_some() {
         let message = Some("is in the body too".to_owned());
@@ -150,11 +150,16 @@ fn two_numbers(text: &str) -> Option<[f64; 2]> {
     Some([number(azimuth)?, number(elevation)?])
 }
 
-fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure> {
-    let name = reader.choice(&p::MEASURE);
+/// What lights have their part in, of those that a parameter knows.
+pub(super) fn read_measure(
+    reader: &mut Reader,
+    parameter: &Parameter,
+    region: Option<SkyCurve>,
+) -> Option<Measure> {
+    let name = reader.choice(parameter);
     if name.is_some_and(|name| name != "region") && region.is_some() {
         let message = Some("a region is given, and this measure takes none".to_owned());
-        reader.fail(&p::MEASURE, ValidationCode::Conflict, message, Some("region".to_owned()));
+        reader.fail(parameter, ValidationCode::Conflict, message, Some("region".to_owned()));
         return None;
     }
     Some(match (name, region) {
@@ -164,7 +169,7 @@ fn read_measure(reader: &mut Reader, region: Option<SkyCurve>) -> Option<Measure
         (Some("horizontal"), _) => Measure::Horizontal,
         (Some("region"), None) => {
             let message = Some("needs the parameter `region`, or a body with one".to_owned());
-            reader.fail(&p::MEASURE, ValidationCode::Missing, message, None);
+            reader.fail(parameter, ValidationCode::Missing, message, None);
             return None;
         }
         _ => Measure::Zenith,

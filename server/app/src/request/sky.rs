@@ -181,7 +181,7 @@ pub(super) fn read_scenario(reader: &mut Reader) -> Option<ChangeId> {
     id
 }
 
-fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> ObserverHeight {
+pub(super) fn read_eye_height(reader: &mut Reader, facts: &SourceFacts) -> ObserverHeight {
     let height_m = reader.number_of_any_size(&p::HEIGHT);
     let altitude_m = reader.number_of_any_size(&p::ALTITUDE);
     if reader.text(&p::HEIGHT).is_some() && reader.text(&p::ALTITUDE).is_some() {

@@ -3,9 +3,12 @@
 mod atlas;
 mod bench;
 mod config;
+mod darker;
+mod horizon;
 mod influence;
 mod ingest;
 mod kept;
+mod landscape;
 mod night;
 mod packs;
 mod panorama;
@@ -15,6 +18,8 @@ mod reference;
 mod scenario;
 mod scenes;
 mod serve;
+mod shares;
+mod skies;
 mod sky;
 
 use crate::failure::Failure;
@@ -30,8 +35,13 @@ pub(crate) enum Command {
     Packs(packs::Packs),
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
+    Skies(skies::Skies),
     Night(night::Night),
     Influence(influence::Influence),
+    Shares(shares::Shares),
+    Darker(darker::Darker),
+    Horizon(horizon::Horizon),
+    Landscape(landscape::Landscape),
     Plan(plan::Plan),
     Scenario(scenario::Scenario),
     Kept(kept::Kept),
@@ -52,8 +62,13 @@ impl Command {
             Command::Packs(command) => command.run(),
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
+            Command::Skies(command) => command.run(),
             Command::Night(command) => command.run(),
             Command::Influence(command) => command.run(),
+            Command::Shares(command) => command.run(),
+            Command::Darker(command) => command.run(),
+            Command::Horizon(command) => command.run(),
+            Command::Landscape(command) => command.run(),
             Command::Plan(command) => command.run(),
             Command::Scenario(command) => command.run(),
             Command::Kept(command) => command.run(),

@@ -38,10 +38,10 @@ impl Drop for Ending {
     }
 }
 
-/// Makes jobs of posts of plans and influences whose clients prefer that.
+/// Makes jobs of posts of plans, influences and shares whose clients prefer that.
 pub async fn respond_async(State(state): State<AppState>, mut request: Request, next: Next) -> Response {
     let path = request.uri().path();
-    let is_long = path.ends_with("/plans") || path.contains("/influence");
+    let is_long = path.ends_with("/plans") || path.contains("/influence") || path.contains("/shares");
     if *request.method() != Method::POST || !is_long || !prefers_async(request.headers()) {
         return next.run(request).await;
     }

@@ -10,8 +10,8 @@ use skyglow_app::{
     source::BoxFuture,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, InfluenceMap, InfluenceRequest, PlanOutcome, PlanRequest,
-    RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    PlanOutcome, PlanRequest, RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SeenSky, SkyPart,
@@ -376,6 +376,10 @@ impl SkySource for Fake {
             std::thread::sleep(time);
         }
         Err(AppError::EngineDown)
+    }
+
+    fn darker(&self, _: &DarkerRequest, _: &SceneView, watch: &Watch<'_>) -> Result<DarkerPlaces, AppError> {
+        Err(self.work_long(watch))
     }
 
     /// Neither are scenarios and plans.

@@ -2,6 +2,8 @@
 //! its scene takes longer than asking it; each test uses scenarios, plans and scenes of its own.
 
 mod bodies;
+mod darker;
+mod horizon;
 mod influence;
 mod kept;
 mod layers;
@@ -9,6 +11,8 @@ mod night_sky;
 mod plans;
 mod refusals;
 mod scenarios;
+mod shares;
+mod skies;
 mod sky;
 mod uploads;
 

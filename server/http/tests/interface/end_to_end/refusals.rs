@@ -27,6 +27,15 @@ fn boundary(ring: &str) -> String {
     format!(r#"{{"boundary": {{"type": "Polygon", "coordinates": [[{ring}]]}}}}"#)
 }
 
+const SHARES: &str = "shares?lat=46.17&lon=8.79";
+
+/// A collection of one area, or of what is none.
+fn area(kind: &str, coordinates: &str) -> String {
+    format!(
+        r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": {{"name": "Locarno"}}, "geometry": {{"type": "{kind}", "coordinates": {coordinates}}}}}]}}"#
+    )
+}
+
 fn painted(area: &str) -> String {
     format!(r#"{{"edits": [{{{area}, "factor": 0.5}}]}}"#)
 }
@@ -51,6 +60,7 @@ fn corners(count: usize) -> String {
 fn bad_bodies() -> Vec<Bad> {
     let bad = |what, path, body: String| Bad { what, path, body };
     let influence = |what, body: &str| bad(what, INFLUENCE, body.to_owned());
+    let shares = |what, body: &str| bad(what, SHARES, body.to_owned());
     let scenario = |what, body: String| bad(what, "scenarios", body);
     let plan = |what, body: String| bad(what, "plans", body);
     vec![
@@ -72,6 +82,11 @@ fn bad_bodies() -> Vec<Bad> {
         influence("60 000 corners", &boundary(&corners(60_000))),
         influence("10⁶ corners", &boundary(&corners(1_000_000))),
         influence("100 MB", &" ".repeat(100_000_000)),
+        shares("no features", r#"{"type": "FeatureCollection", "features": []}"#),
+        shares("a point among the areas", &area("Point", "[8.79, 46.17]")),
+        shares("an open ring", &area("Polygon", "[[[8.6, 46], [9.1, 46], [9.1, 46.3]]]")),
+        shares("an area elsewhere", &area("Polygon", "[[[98, 46], [99, 46], [99, 47], [98, 46]]]")),
+        shares("JSON that is no GeoJSON", r#"{"areas": []}"#),
         scenario("no edits", r#"{"edits": []}"#.to_owned()),
         scenario("101 edits", format!(r#"{{"edits": [{}]}}"#, vec![r#"{"factor": 0.5}"#; 101].join(","))),
         scenario("an open ring", polygon("[8.6, 46], [9.1, 46], [9.1, 46.3]")),

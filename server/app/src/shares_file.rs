@@ -1,0 +1,167 @@
+//! Shares as the bytes of a file: what the HTTP interface answers and the command line writes.
+
+use crate::{
+    answers::{AreaSharesAnswer, Assumptions, PartAnswer, SharesAnswer},
+    error::AppError,
+    influence_file::{InfluenceFileError, csv_table, with_unit},
+    request::{AreaSharesRequest, SharesRequest},
+};
+use serde::Serialize;
+use skyglow_observatory::{InfluenceMap, Watch};
+
+/// A format of shares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SharesFormat {
+    /// JSON, with what they depend on.
+    Json,
+    /// A table whose shares add up to 1.
+    Csv,
+}
+
+impl SharesFormat {
+    /// Its media type.
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            SharesFormat::Json => "application/json",
+            SharesFormat::Csv => "text/csv",
+        }
+    }
+}
+
+/// Shares by named places, and by areas.
+#[derive(Clone, Debug)]
+pub enum SharesQuestion {
+    /// By the scene's named places.
+    Places(SharesRequest),
+    /// By areas.
+    Areas(AreaSharesRequest),
+}
+
+/// What is answered.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum SharesOutcome {
+    /// By the scene's named places.
+    Places(Box<SharesAnswer>),
+    /// By areas.
+    Areas(Box<AreaSharesAnswer>),
+}
+
+/// A row of the table of named places; the last two have no rank.
+#[derive(Clone, Debug, Default, Serialize)]
+struct PlaceRow {
+    rank: Option<usize>,
+    name: String,
+    population: Option<u64>,
+    latitude_deg: Option<f64>,
+    longitude_deg: Option<f64>,
+    distance_m: Option<f64>,
+    azimuth_deg: Option<f64>,
+    share: f64,
+    influence: f64,
+    flux_dnb_w: f64,
+    pixels: u64,
+}
+
+/// A row of the table of areas; the last has no rank.
+#[derive(Clone, Debug, Default, Serialize)]
+struct AreaRow {
+    rank: Option<usize>,
+    feature: Option<usize>,
+    name: String,
+    share: f64,
+    influence: f64,
+    flux_dnb_w: f64,
+    pixels: u64,
+}
+
+impl SharesQuestion {
+    /// Adds up a map of influences. Takes milliseconds, and as long as there are areas over areas.
+    ///
+    /// # Errors
+    /// [`AppError::EngineDown`] where `watch` ended it.
+    pub fn answer(
+        &self,
+        assumptions: Assumptions,
+        map: &InfluenceMap,
+        watch: &Watch<'_>,
+    ) -> Result<SharesOutcome, AppError> {
+        Ok(match self {
+            Self::Places(SharesRequest { request, limit }) => {
+                let shares = map.by_town(watch)?;
+                let (measure, observer) = (&request.measure, request.sky.place);
+                let answer = SharesAnswer::new(assumptions, map, measure, &shares, observer, *limit);
+                SharesOutcome::Places(Box::new(answer))
+            }
+            Self::Areas(AreaSharesRequest { request, areas }) => {
+                let boundaries: Vec<_> = areas.iter().map(|area| &area.area.boundary).collect();
+                let shares = map.by_area(&boundaries, watch)?;
+                let answer = AreaSharesAnswer::new(assumptions, map, &request.measure, &shares, areas);
+                SharesOutcome::Areas(Box::new(answer))
+            }
+        })
+    }
+}
+
+impl SharesOutcome {
+    /// What the numbers depend on.
+    pub fn assumptions(&self) -> &Assumptions {
+        match self {
+            Self::Places(answer) => &answer.assumptions,
+            Self::Areas(answer) => &answer.assumptions,
+        }
+    }
+
+    /// As a file.
+    ///
+    /// # Errors
+    /// [`InfluenceFileError`], only by a defect.
+    pub fn encode(&self, format: SharesFormat) -> Result<Vec<u8>, InfluenceFileError> {
+        match (format, self) {
+            (SharesFormat::Json, answer) => Ok(serde_json::to_vec(answer)?),
+            (SharesFormat::Csv, Self::Places(answer)) => {
+                Ok(with_unit(&csv_table(place_rows(answer))?, &answer.unit))
+            }
+            (SharesFormat::Csv, Self::Areas(answer)) => {
+                Ok(with_unit(&csv_table(area_rows(answer))?, &answer.unit))
+            }
+        }
+    }
+}
+
+fn place_rows(answer: &SharesAnswer) -> Vec<PlaceRow> {
+    let sum = |name: &str, part: &PartAnswer| PlaceRow {
+        name: name.to_owned(),
+        share: part.share,
+        influence: part.influence,
+        flux_dnb_w: part.flux_dnb_w,
+        pixels: part.pixels,
+        ..PlaceRow::default()
+    };
+    let places = answer.places.iter().map(|place| PlaceRow {
+        rank: Some(place.rank),
+        population: place.population,
+        latitude_deg: Some(place.latitude_deg),
+        longitude_deg: Some(place.longitude_deg),
+        distance_m: Some(place.distance_m),
+        azimuth_deg: Some(place.azimuth_deg),
+        ..sum(&place.name, &place.part)
+    });
+    let rest = [sum("other places", &answer.other_places), sum("elsewhere", &answer.elsewhere)];
+    places.chain(rest).collect()
+}
+
+fn area_rows(answer: &AreaSharesAnswer) -> Vec<AreaRow> {
+    let row = |rank: Option<usize>, feature: Option<usize>, name: &str, part: &PartAnswer| AreaRow {
+        rank,
+        feature,
+        name: name.to_owned(),
+        share: part.share,
+        influence: part.influence,
+        flux_dnb_w: part.flux_dnb_w,
+        pixels: part.pixels,
+    };
+    let areas =
+        answer.areas.iter().map(|area| row(Some(area.rank), Some(area.feature), &area.name, &area.part));
+    areas.chain([row(None, None, "outside", &answer.outside)]).collect()
+}
