@@ -4,11 +4,6 @@
 export const LUMINOUS_EFFICACY_LM_W = [150, 567, 45] as const;
 /** Luminance of 0 mag arcsec⁻², cd m⁻². */
 export const ZERO_POINT_CD_M2 = 1.08e5;
-/** Surface brightness of the natural sky, mag arcsec⁻². */
-export const NATURAL_SKY_MAG_ARCSEC2 = 22.0;
-/** Luminance of the natural sky, cd m⁻² (uniform). */
-export const NATURAL_SKY_CD_M2 = luminanceFromBrightnessCdM2(NATURAL_SKY_MAG_ARCSEC2);
-
 /** −2.5·log10(luminance / 1.08e5), mag arcsec⁻²; null for a sky without light. */
 export function brightnessMagArcsec2(luminanceCdM2: number): number | null {
   return luminanceCdM2 > 0 ? -2.5 * Math.log10(luminanceCdM2 / ZERO_POINT_CD_M2) : null;

@@ -3,8 +3,10 @@
 mod assumptions;
 mod brightness;
 mod compact;
+mod dark_reference;
 mod darker;
 mod influence;
+mod night_hours;
 mod night_sky;
 mod panorama;
 mod plan;
@@ -19,10 +21,12 @@ mod sky;
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, ResponseAnswer};
 pub use brightness::{BrightnessAssumptions, brightness_shows};
 pub use compact::{CompactDisc, CompactHeader, CompactPlane, CompactPoints, compact_panorama};
+pub use dark_reference::DarkReferenceAnswer;
 pub use darker::{DarkerAnswer, DarkerPlaceAnswer, LowSkyAnswer, NearestPlace, PlaceSky};
 pub use influence::{
     InfluenceAnswer, InfluentialPixel, PartAnswer, RingAnswer, SectorAnswer, influential_pixels, measure_name,
 };
+pub use night_hours::{NightHourAnswer, NightHoursAnswer};
 pub use night_sky::{ComponentAnswer, DirectionLimitAnswer, NightSkyAnswer};
 pub use panorama::{Light, PanoramaAnswer, PanoramaGrid};
 pub use plan::{

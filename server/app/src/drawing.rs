@@ -36,8 +36,8 @@ pub fn draw(
     view: &PictureRequest,
     format: Format,
 ) -> Result<Vec<u8>, DrawingError> {
-    let total = (view.options.sky == Sky::Total).then(|| sky.seen_with_night()).flatten();
-    let light = if total.is_some() { Sky::TotalOfInstant } else { view.options.sky };
+    let total = (view.options.sky == Sky::Total).then(|| sky.seen_in_total());
+    let light = if total.is_some() && sky.night.is_some() { Sky::TotalOfInstant } else { view.options.sky };
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
     let image = || {
@@ -49,7 +49,7 @@ pub fn draw(
     let bands = OnceCell::new();
     let floats = || {
         let bands = bands.get_or_init(|| sky.seen_by(&RGB_BANDS, total.is_some()));
-        raster(bands, &sky.horizon, options.projection, view.raster_size_px, options.sky)
+        raster(bands, &sky.horizon, options.projection, view.raster_size_px)
     };
     Ok(match format {
         Format::Png => encode_png(&image()?, &notes)?,

@@ -10,9 +10,7 @@ use crate::{
     upload_reader::{UploadOutcome, UploadReader, UploadTask},
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
-    MAX_PLACES, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord,
-    SceneView, SkyRequest, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyAtTime, SkyRequest, SkyTime, Watch, MAX_PLACES,
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{
@@ -307,6 +305,15 @@ impl SkySource for ObservatorySource {
     ) -> Result<Page<PlanEntry>, AppError> {
         self.view(scene, None)?;
         Ok(stored_plans(self.observatory.changes(), scene, viewer, part).map_err(ObservatoryError::from)?)
+    }
+
+    fn sky_at_times(
+        &self,
+        request: &SkyRequest,
+        sky: &RenderedSky,
+        times: &[SkyTime],
+    ) -> Result<Vec<SkyAtTime>, AppError> {
+        Ok(self.observatory.sky_at_times(request, sky, times)?)
     }
 
     fn sky(&self, request: Arc<SkyRequest>, view: SceneView) -> BoxFuture<'_, Result<RenderedSky, AppError>> {

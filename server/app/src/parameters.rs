@@ -175,9 +175,9 @@ parameters! {
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`.
     TOLERANCE = "tolerance", Kind::Number { minimum: 0.0001, maximum: 0.5, unit: "" }, "", false;
-    /// Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`.
+    /// Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`.
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "", false;
-    /// When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`.
+    /// When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`.
     TIME = "time", Kind::Text {
         allowed: "a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00",
         pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}[Tt ][0-9]{2}:[0-9]{2}:[0-9]{2}([.][0-9]{1,9})?([Zz]|[+ -][0-9]{2}:[0-9]{2})$",
@@ -313,6 +313,11 @@ parameter_sets! {
     PlaceParameters = [LAT, LON, SCENARIO];
     /// Those of a night, which needs no scene.
     NightParameters = [LAT, LON, DATE];
+    /// Those of a night over a place of a scene, under a clear sky.
+    SceneNightParameters = [
+        LAT, LON, DATE, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, TERRAIN, TOLERANCE, SOLAR_FLUX,
+        SCENARIO,
+    ];
     /// Those of a month of nights.
     NightsParameters = [LAT, LON, MONTH];
     /// Those of places of the world by name.

@@ -29,7 +29,7 @@ pub use emission::{EmissionBody, GarstangLawBody};
 pub use horizon::{HorizonRequest, check_terrain, horizon, landscape};
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
 pub use keeping::{Keeping, ListRequest, list_request};
-pub use night::{night, nights};
+pub use night::{SceneNight, night, nights, scene_night};
 pub use places::{FoundPlace, world_places};
 pub use plan::{PlanStoreRequest, plan, plan_limit};
 pub use plan_body::{PlanBody, SiteBody};

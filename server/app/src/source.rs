@@ -8,9 +8,7 @@ use crate::{
     request::ListRequest,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
-    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest,
-    Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime, SkyRequest, SkyTime, Watch,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
@@ -39,6 +37,18 @@ pub trait SkySource: Send + Sync + 'static {
     /// [`AppError::Internal`].
     fn check_scenes(&self) -> Result<(), AppError> {
         Ok(())
+    }
+    /// The sky of a request at several times, of which `sky` is the artificial part. Takes some milliseconds a time.
+    ///
+    /// # Errors
+    /// [`AppError::Internal`] without celestial tables, which requests are refused for.
+    fn sky_at_times(
+        &self,
+        _request: &SkyRequest,
+        _sky: &RenderedSky,
+        _times: &[SkyTime],
+    ) -> Result<Vec<SkyAtTime>, AppError> {
+        Err(ObservatoryError::NoCelestialTables.into())
     }
     /// Counters of the engine. Cheap.
     fn stats(&self) -> EngineStats;

@@ -255,7 +255,7 @@ fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
 }
 
 /// Turns ICRS into galactic axes (IAU 1958, as Hipparcos has them in ICRS).
-fn galactic_from_icrs() -> DMat3 {
+pub(crate) fn galactic_from_icrs() -> DMat3 {
     let axis = |longitude_rad: f64, latitude_rad: f64| {
         let (right_ascension, declination) = sofars::coords::g2icrs(longitude_rad, latitude_rad);
         DVec3::from_array(sofars::vm::s2c(right_ascension, declination))

@@ -15,7 +15,7 @@ pub struct IrradianceGrid {
 /// Samples of an extended component lie no farther apart than this, rad, along zenith angle.
 const STEP_RAD: f64 = 2.5 * PI / 180.0;
 /// Those of airglow, which ends at the horizon where it is brightest.
-const AIRGLOW_STEP_RAD: f64 = 0.25 * PI / 180.0;
+pub(crate) const AIRGLOW_STEP_RAD: f64 = 0.25 * PI / 180.0;
 
 impl IrradianceGrid {
     /// A grid of a component on zenith angles that ascend, rad, 0..=π. A beam of an extended component has the light of its cell,
@@ -62,18 +62,8 @@ impl IrradianceGrid {
         (node * self.zenith_angles_rad.len() + zenith_angle) * AZIMUTH_COUNT + azimuth
     }
 
-    /// Where the cell of a zenith angle begins and ends, rad.
-    fn cell_rad(&self, row: usize) -> (f64, f64) {
-        let angles = &self.zenith_angles_rad;
-        let half_after = angles.get(row + 1).map(|next| 0.5 * (next - angles[row]));
-        let half_before = row.checked_sub(1).map(|before| 0.5 * (angles[row] - angles[before]));
-        let begin = half_before.map_or(0.0, |half| angles[row] - half);
-        let end = angles[row] + half_after.or(half_before).unwrap_or(PI);
-        (begin, end.min(PI))
-    }
-
     fn add_row(&mut self, heavens: &Heavens, component: Component, row: usize) {
-        let (begin, end) = self.cell_rad(row);
+        let (begin, end) = cell_rad(&self.zenith_angles_rad, row);
         // Airglow is the same in every azimuth.
         let (finest, is_column) = match component {
             Component::Airglow => (AIRGLOW_STEP_RAD, true),
@@ -124,6 +114,15 @@ impl IrradianceGrid {
             }
         }
     }
+}
+
+/// Where the cell of a zenith angle begins and ends, rad.
+pub(crate) fn cell_rad(angles: &[f64], row: usize) -> (f64, f64) {
+    let half_after = angles.get(row + 1).map(|next| 0.5 * (next - angles[row]));
+    let half_before = row.checked_sub(1).map(|before| 0.5 * (angles[row] - angles[before]));
+    let begin = half_before.map_or(0.0, |half| angles[row] - half);
+    let end = angles[row] + half_after.or(half_before).unwrap_or(PI);
+    (begin, end.min(PI))
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use crate::{
     realistic::EXPOSURE_RANGE_EV,
 };
 use serde::{Deserialize, Serialize};
-use skyglow_physics::{Response, natural_sky::natural_sky_value};
 
 /// Smallest width or height of the sky in a picture, pixels.
 pub const MIN_SIDE_PX: u32 = 16;
@@ -86,27 +85,17 @@ impl Projection {
     }
 }
 
-/// Which light is shown.
+/// Which light is shown: what a picture is made of has it already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sky {
     /// Artificial light alone.
     #[default]
     Artificial,
-    /// With the natural sky: uniform 22.0 mag arcsec⁻², as much light at every wavelength.
+    /// With the natural sky: the dark reference.
     Total,
-    /// With the natural sky of an instant, which what is shown has in it already.
+    /// With the natural sky of an instant.
     TotalOfInstant,
-}
-
-impl Sky {
-    /// What this choice adds of the natural sky in every direction, in the response's unit.
-    pub fn added(self, response: &Response) -> f64 {
-        match self {
-            Sky::Artificial | Sky::TotalOfInstant => 0.0,
-            Sky::Total => natural_sky_value(response),
-        }
-    }
 }
 
 /// How radiance becomes colour.

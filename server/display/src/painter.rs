@@ -44,10 +44,9 @@ impl<'a> Painter<'a> {
             |of: &Response| seen.seen_by(of).ok_or_else(|| DisplayError::NotSeen { response: of.name() });
         Ok(match options.style {
             Style::FalseColour { colormap, range } => {
-                let added = options.sky.added(response);
                 let (dark, bright) = range.luminance_ends_cd_m2();
                 Painter::FalseColour {
-                    luminance_cd_m2: plane(response)?.iter().map(|value| f64::from(*value) + added).collect(),
+                    luminance_cd_m2: plane(response)?.iter().map(|value| f64::from(*value)).collect(),
                     table: Box::new(colormap.table()),
                     // With room for rounding: the ends themselves are inside.
                     ends_cd_m2: (dark * (1.0 - 1e-9), bright * (1.0 + 1e-9)),
@@ -57,23 +56,18 @@ impl<'a> Painter<'a> {
             Style::Eye { exposure_ev } => {
                 let [x, y, z, scotopic] = SKY_RESPONSES.each_ref().map(plane);
                 let planes = [x?, y?, z?, scotopic?];
-                let added = SKY_RESPONSES.each_ref().map(|response| options.sky.added(response));
                 let eye = Box::new(Eye::new(exposure_ev));
                 let of_sample = |at: usize| -> [f32; 3] {
-                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + added[i]);
+                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]));
                     eye.linear(seen).map(|channel| channel as f32)
                 };
                 let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
-                Painter::Eye { sampler: Sampler::new(planes, added), linear, eye }
+                Painter::Eye { sampler: Sampler::new(planes), linear, eye }
             }
             Style::Realistic { exposure_ev } => {
                 let [x, y, z, _] = &SKY_RESPONSES;
-                let xyz = [x, y, z];
                 Painter::Realistic {
-                    sampler: Sampler::new(
-                        [plane(x)?, plane(y)?, plane(z)?],
-                        xyz.map(|response| options.sky.added(response)),
-                    ),
+                    sampler: Sampler::new([plane(x)?, plane(y)?, plane(z)?]),
                     tone_map: Box::new(ToneMap::new(exposure_ev)),
                 }
             }

@@ -3,7 +3,7 @@
 use crate::{
     error::DisplayError,
     ground::without_ground,
-    options::{Projection, Sky, check_size},
+    options::{Projection, check_size},
     projection::View,
     sampler::{Sampler, taps},
 };
@@ -21,7 +21,6 @@ pub struct FloatRaster<'a> {
     seen: Cow<'a, SeenSky>,
     horizon: &'a Horizon,
     view: View,
-    added_w_m2_sr: [f64; 3],
 }
 
 impl FloatRaster<'_> {
@@ -30,7 +29,7 @@ impl FloatRaster<'_> {
     pub fn radiance_w_m2_sr(&self, x: u32, y: u32) -> Option<[f32; 3]> {
         let direction = self.view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5)?;
         let plane = |band: &Response| self.seen.seen_by(band).unwrap_or_default();
-        let radiance = Sampler::new(RGB_BANDS.each_ref().map(plane), self.added_w_m2_sr).values(direction)?;
+        let radiance = Sampler::new(RGB_BANDS.each_ref().map(plane)).values(direction)?;
         Some(if self.horizon.hides(direction) { [0.0; 3] } else { radiance.map(|radiance| radiance as f32) })
     }
 
@@ -44,8 +43,7 @@ impl FloatRaster<'_> {
     }
 }
 
-/// The radiance of a sky in R, G, B, which [`RGB_BANDS`] see, in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0, the natural sky
-/// included.
+/// The radiance of a sky in R, G, B, which [`RGB_BANDS`] see, in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0.
 ///
 /// # Errors
 /// [`DisplayError`] naming the size or angle out of its range.
@@ -54,7 +52,6 @@ pub fn raster<'a>(
     horizon: &'a Horizon,
     projection: Projection,
     (width_px, height_px): (u32, u32),
-    sky: Sky,
 ) -> Result<FloatRaster<'a>, DisplayError> {
     check_size(width_px, height_px)?;
     projection.check()?;
@@ -67,7 +64,6 @@ pub fn raster<'a>(
         seen: without_ground(seen, horizon),
         horizon,
         view: View::new(projection, width_px, height_px),
-        added_w_m2_sr: RGB_BANDS.each_ref().map(|band| sky.added(band)),
     })
 }
 
@@ -83,7 +79,7 @@ mod tests {
         let sky = bands_sky(|i| 1e-9 * (i as f32 + 1.0));
         let size = Projection::Equirectangular.default_raster_size_px();
         let flat = Horizon::flat();
-        let raster = raster(&sky, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let raster = raster(&sky, &flat, Projection::Equirectangular, size).unwrap();
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
                 let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
@@ -96,7 +92,7 @@ mod tests {
         assert!(raster.is_all_sky());
     }
 
-    /// Ground is 0 in a raster of the total sky and the default raster has the grid's own mask.
+    /// Ground is 0 in a raster and the default raster has the grid's own mask.
     #[test]
     fn ground_is_0_in_rasters_by_the_grids_mask() {
         let elevations = (0..AZIMUTH_COUNT).map(|column| 0.002 * column as f64).collect();
@@ -104,14 +100,12 @@ mod tests {
         let hidden = |i: usize| horizon.hides_sample(i / AZIMUTH_COUNT % ELEVATION_COUNT, i % AZIMUTH_COUNT);
         let seen = bands_sky(|i| if hidden(i) { 0.0 } else { 1e-6 });
         let size = Projection::Equirectangular.default_raster_size_px();
-        for sky in [Sky::Artificial, Sky::Total] {
-            let raster = raster(&seen, &horizon, Projection::Equirectangular, size, sky).unwrap();
-            for row in 0..ELEVATION_COUNT {
-                for column in 0..AZIMUTH_COUNT {
-                    let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
-                    let is_dark = pixel.unwrap() == [0.0; 3];
-                    assert_eq!(is_dark, horizon.hides_sample(row, column), "{row} {column}");
-                }
+        let raster = raster(&seen, &horizon, Projection::Equirectangular, size).unwrap();
+        for row in 0..ELEVATION_COUNT {
+            for column in 0..AZIMUTH_COUNT {
+                let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
+                let is_dark = pixel.unwrap() == [0.0; 3];
+                assert_eq!(is_dark, horizon.hides_sample(row, column), "{row} {column}");
             }
         }
     }

@@ -51,13 +51,12 @@ pub fn taps(direction: Direction) -> Option<Taps> {
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<'a, const PLANES: usize = 3> {
     planes: [&'a [f32]; PLANES],
-    added: [f64; PLANES],
 }
 
 impl<'a, const PLANES: usize> Sampler<'a, PLANES> {
-    /// Looks at planes, `[row][column]` each, with `added` (≥ 0) of each in every direction.
-    pub fn new(planes: [&'a [f32]; PLANES], added: [f64; PLANES]) -> Self {
-        Self { planes, added }
+    /// Looks at planes, `[row][column]` each.
+    pub fn new(planes: [&'a [f32]; PLANES]) -> Self {
+        Self { planes }
     }
 
     /// The value of each plane, in its unit; None below the horizon.
@@ -65,8 +64,7 @@ impl<'a, const PLANES: usize> Sampler<'a, PLANES> {
         let taps = taps(direction)?;
         Some(std::array::from_fn(|plane| {
             let values = self.planes[plane];
-            let sum: f64 = (0..4).map(|tap| taps.weight[tap] * f64::from(values[taps.offset[tap]])).sum();
-            sum + self.added[plane]
+            (0..4).map(|tap| taps.weight[tap] * f64::from(values[taps.offset[tap]])).sum()
         }))
     }
 }
@@ -83,7 +81,7 @@ mod tests {
     }
 
     fn sampler(values: &[f32]) -> Sampler<'_> {
-        Sampler::new(std::array::from_fn(|plane| &values[plane * COUNT..][..COUNT]), [0.0; 3])
+        Sampler::new(std::array::from_fn(|plane| &values[plane * COUNT..][..COUNT]))
     }
 
     fn at(plane: usize, row: usize, column: usize) -> usize {

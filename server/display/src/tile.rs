@@ -2,7 +2,6 @@
 
 use crate::{encode::encode_png_rgba, error::DisplayError, notes::Notes};
 use image::{Rgba, RgbaImage};
-use skyglow_physics::{Response, natural_sky::natural_sky_value};
 
 /// Radiances that the colours of a radiance tile run between, nW cm⁻² sr⁻¹ (logarithmic).
 pub const RADIANCE_RANGE_NW_CM2_SR: (f64, f64) = (0.2, 200.0);
@@ -21,13 +20,6 @@ const TINTS: [(f32, [f32; 3]); 8] = [
 
 /// Factor from the brightest colour of an influence tile to where colours end.
 pub const INFLUENCE_SPAN: f64 = 1e4;
-
-/// Ends of the colours of a brightness tile, in the response's unit (logarithmic): from a hundredth of the natural sky, where light
-/// pollution begins to count, to forty times that.
-pub fn brightness_range(response: &Response) -> (f64, f64) {
-    let natural = natural_sky_value(response);
-    (0.01 * natural, 40.0 * natural)
-}
 
 /// A square tile of artificial light at the zenith, `[y][x]`: less than the lower end of `range` is transparent, more runs through the
 /// `plasma` map on a logarithmic scale.

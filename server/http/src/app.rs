@@ -60,6 +60,7 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(darker::get_darker))
         .routes(routes!(horizon::get_horizon_txt))
         .routes(routes!(horizon::get_landscape_zip))
+        .routes(routes!(night::get_scene_night))
         .routes(routes!(influence::get_influence, influence::post_influence))
         .routes(routes!(influence::get_influence_json, influence::post_influence_json))
         .routes(routes!(influence::get_influence_tif, influence::post_influence_tif))

@@ -3,6 +3,7 @@
 use crate::{
     error::ObservatoryError,
     influence::{KernelRange, zenith_kernel},
+    night_sky::dark_outside,
     observatory::Observatory,
     scene_view::SceneView,
 };
@@ -24,6 +25,17 @@ use std::{
 pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
+
+/// What a response sees of the dark reference outside the air, in its unit, which the colours of such maps go by, whatever the air.
+pub fn natural_value(response: &Response) -> f64 {
+    dark_outside().value(response)
+}
+
+/// Ends of those colours, logarithmic between: from a hundredth of that, where light pollution begins to count, to forty times it.
+pub fn brightness_range(response: &Response) -> (f64, f64) {
+    let natural = natural_value(response);
+    (0.01 * natural, 40.0 * natural)
+}
 
 /// A request for one map of the zenith's brightness: under a clear sky, two metres above the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]

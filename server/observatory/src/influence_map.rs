@@ -205,7 +205,7 @@ impl Observatory {
         let total = Part::of_all(&pixels, &influence);
         step("total");
         Ok(InfluenceMap {
-            context: surroundings.context(sky, basis_count, basis_error_bound),
+            context: surroundings.context(sky, self.celestial_tables(), basis_count, basis_error_bound),
             region_sr: weights.filter(|_| is_region).map(|weights| weights.solid_angle_sr()),
             scene: Arc::clone(view.scene()),
             total,

@@ -22,10 +22,13 @@ mod scene_health;
 mod scene_view;
 mod shares;
 mod sky;
+mod sky_at_times;
 mod surroundings;
 mod watch;
 
-pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
+pub use brightness::{
+    BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, brightness_range, natural_value,
+};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};
@@ -44,4 +47,5 @@ pub use plan_request::{
 pub use scene_view::{SceneView, Site};
 pub use shares::{Shares, TOWN_REACH, town_radius_m};
 pub use sky::{ObserverHeight, RenderContext, RenderedSky, SkyRequest};
+pub use sky_at_times::{HORIZON_ENDS_DEG, SkyAtTime};
 pub use watch::Watch;

@@ -163,7 +163,7 @@ impl Observatory {
         let (surroundings, night, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| RenderError::Stopped)??;
         let rendered = self.engine.render_each(&to_render).await?;
-        Ok(surroundings.finish(&request, rendered, bound, night))
+        Ok(surroundings.finish(&request, rendered, bound, night, self.celestial_tables()))
     }
 
     /// A sky of the scene as it is now, for threads outside an asynchronous runtime. Panics inside one.
@@ -184,7 +184,7 @@ impl Observatory {
         let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
         let night = surroundings.night_sky(request, self.celestial_tables())?;
         let rendered = self.engine.render_each_blocking(&to_render)?;
-        Ok(surroundings.finish(request, rendered, bound, night))
+        Ok(surroundings.finish(request, rendered, bound, night, self.celestial_tables()))
     }
 
     /// Whether the packs of a kind know sources behind skylines.

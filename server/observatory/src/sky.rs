@@ -3,8 +3,8 @@
 use crate::night_sky::{NightSky, SkyTime};
 use serde::Serialize;
 use skyglow_physics::{
-    BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Panorama, Response, SKY_RESPONSES,
-    SeenSky, SkyNumbers, SkyPart, SkyQuantities, Turbidity,
+    AZIMUTH_COUNT, BAND_COUNT, Emission, EvenSky, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Panorama,
+    Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -58,7 +58,7 @@ pub struct SkyRequest {
     pub tolerance: Option<f64>,
     /// Whether the scene's terrain hides the sky below the observer's horizon.
     pub terrain_hides: bool,
-    /// When, for the natural sky of an instant; None for one of 22.0 mag arcsec⁻² whenever it is.
+    /// When, for the natural sky of an instant; None for the dark reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SkyTime>,
 }
@@ -90,6 +90,8 @@ pub struct RenderContext {
     /// Where a tolerance was given, the bound of the difference to the sky of all functions
     /// ([`BasisWithin::error_bound`](skyglow_render::BasisWithin::error_bound)).
     pub basis_error_bound: Option<f64>,
+    /// The dark reference as it is seen there.
+    pub dark: EvenSky,
     /// Lamps that changes replace around here where there are none of them by then.
     pub lamps_not_met: Vec<LampPreset>,
 }
@@ -133,14 +135,31 @@ impl RenderedSky {
         let seen = SeenSky::of(&parts, &responses_of(request));
         let natural = match &night {
             _ if request.cloud_base_m.is_some() => NaturalSky::Hidden,
-            Some(night) => NaturalSky::OfInstant { parts: night.parts(), seen: night.seen() },
-            None => NaturalSky::Uniform,
+            Some(night) => night.as_natural_sky(),
+            None => NaturalSky::Dark,
         };
-        let numbers =
-            SkyNumbers { parts: &parts, seen: &seen, horizon: &horizon, response: &request.response };
+        let numbers = SkyNumbers {
+            parts: &parts,
+            seen: &seen,
+            horizon: &horizon,
+            response: &request.response,
+            dark: &context.dark,
+        };
         let quantities = SkyQuantities::with(natural, numbers);
         let response = request.response.clone();
         Self { parts, seen, response, horizon, night, quantities, context, passes: Vec::new() }
+    }
+
+    /// The quantities of its artificial light with the natural sky of another instant.
+    pub(crate) fn quantities_with(&self, night: &NightSky) -> SkyQuantities {
+        let numbers = SkyNumbers {
+            parts: &self.parts,
+            seen: &self.seen,
+            horizon: &self.horizon,
+            response: &self.response,
+            dark: &self.context.dark,
+        };
+        SkyQuantities::with(night.as_natural_sky(), numbers)
     }
 
     /// What the response of the request sees, `[row][column]`, in its unit.
@@ -160,21 +179,40 @@ impl RenderedSky {
         of(&self.parts, &self.seen) + night
     }
 
-    /// Artificial light and the natural sky of the instant, by the responses of [`Self::seen`]; None where no time was asked for.
-    pub fn seen_with_night(&self) -> Option<SeenSky> {
+    /// Artificial light and the natural sky by the responses of [`Self::seen`]: that of the instant that was asked for or else the dark
+    /// reference, above the horizon. Not for skies under clouds.
+    pub fn seen_in_total(&self) -> SeenSky {
         let mut seen = self.seen.clone();
-        seen.add(self.night.as_ref()?.seen());
-        Some(seen)
-    }
-
-    /// What other responses see of all there is: artificial light, and the natural sky of the instant where a time was asked for and
-    /// `with_night`.
-    pub fn seen_by(&self, responses: &[Response], with_night: bool) -> SeenSky {
-        let mut seen = SeenSky::of(&self.parts, responses);
-        if let Some(night) = self.night.as_ref().filter(|_| with_night) {
-            seen.add(&SeenSky::of(night.parts(), responses));
+        match &self.night {
+            Some(night) => seen.add(night.seen()),
+            None => self.add_dark(&mut seen),
         }
         seen
+    }
+
+    /// What other responses see of artificial light, and where `in_total` of the natural sky too.
+    pub fn seen_by(&self, responses: &[Response], in_total: bool) -> SeenSky {
+        let mut seen = SeenSky::of(&self.parts, responses);
+        match &self.night {
+            _ if !in_total => {}
+            Some(night) => seen.add(&SeenSky::of(night.parts(), responses)),
+            None => self.add_dark(&mut seen),
+        }
+        seen
+    }
+
+    /// Adds the dark reference above the horizon.
+    fn add_dark(&self, seen: &mut SeenSky) {
+        for place in 0..seen.responses().len() {
+            let added = self.context.dark.value(&seen.responses()[place]) as f32;
+            for (row, values) in seen.plane_mut(place).chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
+                for (column, value) in values.iter_mut().enumerate() {
+                    if !self.horizon.hides_sample(row, column) {
+                        *value += added;
+                    }
+                }
+            }
+        }
     }
 }
 

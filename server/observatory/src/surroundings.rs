@@ -2,7 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
-    night_sky::{NightSky, Overhead},
+    night_sky::{NightSky, Overhead, dark_sky},
     scene_view::SceneView,
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
@@ -74,6 +74,7 @@ impl Surroundings {
     pub(crate) fn context(
         &self,
         request: &SkyRequest,
+        tables: Option<&CelestialTables>,
         basis_count: usize,
         basis_error_bound: Option<f64>,
     ) -> RenderContext {
@@ -86,6 +87,7 @@ impl Surroundings {
             flux_dnb_w: self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum(),
             basis_count,
             basis_error_bound,
+            dark: dark_sky(tables, request.turbidity, self.altitude_m),
             lamps_not_met: self.lamps_not_met(&request.lamp),
         }
     }
@@ -157,9 +159,10 @@ impl Surroundings {
         rendered: Vec<Rendered>,
         basis_error_bound: Option<f64>,
         night: Option<(NightSky, Duration)>,
+        tables: Option<&CelestialTables>,
     ) -> RenderedSky {
         let basis_count = rendered.iter().map(|rendered| rendered.basis_count).max().unwrap_or_default();
-        let context = self.context(request, basis_count, basis_error_bound);
+        let context = self.context(request, tables, basis_count, basis_error_bound);
         let lights: Vec<_> = self.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp)).collect();
         let (horizon, time) = self.horizon.unzip();
         let (night, night_time) = night.unzip();

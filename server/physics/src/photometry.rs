@@ -4,7 +4,7 @@ use crate::bands::{BAND_COUNT, Band};
 
 /// Zero point of surface brightness: luminance of 0 mag arcsec⁻², cd m⁻².
 pub const ZERO_POINT_CD_M2: f64 = 1.08e5;
-/// Surface brightness of the natural sky, mag arcsec⁻².
+/// Surface brightness of a round dark sky that errors and colours are scaled by, mag arcsec⁻².
 pub const NATURAL_SKY_MAG_ARCSEC2: f64 = 22.0;
 
 /// Σ_b K_b L_b: luminance [cd m⁻²] of a radiance [W m⁻² sr⁻¹] in bands, by one efficacy a band: what errors of the engine are
@@ -23,19 +23,17 @@ pub fn luminance_from_brightness_cd_m2(brightness_mag_arcsec2: f64) -> f64 {
     ZERO_POINT_CD_M2 * 10f64.powf(-0.4 * brightness_mag_arcsec2)
 }
 
-/// Luminance of the natural sky, cd m⁻² (uniform).
+/// Its luminance, cd m⁻². Answers have the dark reference.
 pub fn natural_sky_luminance_cd_m2() -> f64 {
     luminance_from_brightness_cd_m2(NATURAL_SKY_MAG_ARCSEC2)
 }
 
-/// Bortle class 1 (pristine) to 9 (inner city) from the total brightness at the zenith.
-pub fn bortle_class(zenith_brightness_mag_arcsec2: f64) -> u8 {
-    const ENDS: [f64; 7] = [21.99, 21.89, 21.69, 20.49, 19.50, 18.94, 18.38];
-    match ENDS.iter().position(|&end| zenith_brightness_mag_arcsec2 > end) {
-        Some(position) => position as u8 + 1,
-        None if zenith_brightness_mag_arcsec2 >= 17.8 => 8,
-        None => 9,
-    }
+/// Bortle class 1 (pristine) to 9 (inner city) from how many magnitudes brighter the zenith is than a natural dark sky. The ends are
+/// those that are published for one of 22.0 mag arcsec⁻², as differences to it.
+pub fn bortle_class(brighter_mag: f64) -> u8 {
+    const BEGINS: [f64; 7] = [0.01, 0.11, 0.31, 1.51, 2.50, 3.06, 3.62];
+    let passed = BEGINS.iter().filter(|&&begin| brighter_mag >= begin).count();
+    1 + passed as u8 + u8::from(brighter_mag > 4.2)
 }
 
 /// Naked-eye limiting magnitude (Crumey 2014, field factor F = 2) under a total sky luminance.
@@ -86,7 +84,9 @@ mod tests {
             (17.79, 9),
         ];
         for (mag, class) in cases {
-            assert_eq!(bortle_class(mag), class, "{mag}");
+            // Without the last digits that a difference leaves.
+            let brighter_mag = ((22.0 - mag) * 1e6_f64).round() / 1e6;
+            assert_eq!(bortle_class(brighter_mag), class, "{mag}");
         }
     }
 }

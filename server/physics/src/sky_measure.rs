@@ -90,7 +90,7 @@ impl LinearMeasure {
 mod tests {
     use super::*;
     use crate::{
-        Lamp, Panorama, Response, SeenSky, SkyPart, panorama::Direction, sky_quantities::SkyQuantities,
+        Lamp, Panorama, Response, SeenSky, SkyPart, panorama::Direction, sky_quantities::quantities_over,
     };
     use proptest::prelude::*;
     use std::{f64::consts::TAU, sync::Arc};
@@ -118,7 +118,7 @@ mod tests {
             let mut part = sky(5);
             horizon.darken(&mut part.kernel);
             let values = SeenSky::of(std::slice::from_ref(&part), &[Response::Photopic]).plane(0).to_vec();
-            let reported = SkyQuantities::of_visible(&[part], &horizon);
+            let reported = quantities_over(&[part], &horizon);
             for (measure, value) in [
                 (LinearMeasure::zenith(&horizon), reported.zenith_luminance_cd_m2),
                 (LinearMeasure::mean(&horizon), reported.mean_luminance_cd_m2),

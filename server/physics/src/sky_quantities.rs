@@ -2,24 +2,20 @@
 
 use crate::{
     horizon::Horizon,
-    natural_sky::natural_sky_value,
+    natural_sky::{EvenSky, meter_weight},
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, solid_angle_sr},
-    photometry::{bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag, natural_sky_luminance_cd_m2},
+    photometry::{bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag},
     response_quantities::{ResponseQuantities, ZenithValue},
     seen_sky::{SeenSky, SkyPart},
-    sky_sums::{Sums, in_zenith_cap, visible_columns, weighted_mean},
-    spectrum::{Colour, NODE_COUNT, RGB_BANDS, Response},
+    sky_sums::{Sums, in_zenith_cap, mean_kernels, value_of, weighted_mean},
+    spectrum::{Colour, RGB_BANDS, Response},
 };
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
-pub use crate::sky_sums::ZENITH_CAP_RAD;
-
-/// Full width at half maximum of a Sky Quality Meter's response, radians (20°).
-pub const SQM_FWHM_RAD: f64 = 20.0 * PI / 180.0;
+pub use crate::{natural_sky::NaturalSky, sky_sums::ZENITH_CAP_RAD};
 
 /// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
-/// natural sky: that of the `time` asked for, or without one a uniform sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+/// natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
 /// the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
 /// alone, and what speaks of stars is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,12 +29,12 @@ pub struct SkyQuantities {
     pub zenith_total_luminance_cd_m2: f64,
     /// With the natural sky, mag arcsec⁻².
     pub zenith_total_brightness_mag_arcsec2: Option<f64>,
-    /// Artificial luminance at the zenith over the natural one; under clouds over 22.0 mag arcsec⁻².
+    /// Artificial luminance at the zenith over the natural one; under clouds over the dark reference.
     pub ratio_to_natural: f64,
     /// As a Sky Quality Meter at the zenith sees it (its spectral response, Gaussian of 20° FWHM): the luminance of the magnitude that
     /// it would read of artificial light alone, cd m⁻².
     pub sqm_luminance_cd_m2: f64,
-    /// What such a meter reads with the natural sky, mag arcsec⁻².
+    /// What such a meter reads with the natural sky and the stars in its field, mag arcsec⁻².
     pub sqm_total_brightness_mag_arcsec2: Option<f64>,
     /// Mean over the visible sky, cd m⁻².
     pub mean_luminance_cd_m2: f64,
@@ -52,7 +48,7 @@ pub struct SkyQuantities {
     pub brightest_azimuth_deg: f64,
     /// Its elevation, degrees.
     pub brightest_elevation_deg: f64,
-    /// Bortle class of the total at the zenith, 1..=9; null under clouds.
+    /// Bortle class, 1..=9, by how much brighter than the dark reference the total is at the zenith; null under clouds.
     pub bortle_class: Option<u8>,
     /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); null under clouds.
     pub naked_eye_limit_mag: Option<f64>,
@@ -87,21 +83,8 @@ pub struct SkyNumbers<'a> {
     pub horizon: &'a Horizon,
     /// The response that was asked for.
     pub response: &'a Response,
-}
-
-/// Means of the parts' kernels over the visible directions, `weight` of a direction being that of its angle to the zenith [rad].
-/// 0 where nothing with a weight is visible.
-fn mean_kernels(parts: &[SkyPart], horizon: &Horizon, weight: impl Fn(f64) -> f64) -> Vec<[f64; NODE_COUNT]> {
-    let weights: Vec<f64> =
-        (0..ELEVATION_COUNT).map(|row| weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row)).collect();
-    let total: f64 =
-        weights.iter().enumerate().map(|(row, weight)| weight * visible_columns(horizon, row) as f64).sum();
-    let mean = |part: &SkyPart, node: usize| {
-        let lit = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
-        let sum: f64 = lit.map(|(row, weight)| weight * part.kernel.row_sum(node, row)).sum();
-        if total > 0.0 { sum / total } else { 0.0 }
-    };
-    parts.iter().map(|part| std::array::from_fn(|node| mean(part, node))).collect()
+    /// The dark reference, which Bortle's classes count from.
+    pub dark: &'a EvenSky,
 }
 
 impl SkyPart {
@@ -114,12 +97,6 @@ impl SkyPart {
             value_of(parts, &mean_kernels(parts, horizon, everywhere), response),
         ]
     }
-}
-
-/// What a response sees of lights behind their kernels.
-fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Response) -> f64 {
-    let of_parts = parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel));
-    of_parts.fold(0.0, |sum, value| sum + value)
 }
 
 /// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky, `[row][column]`, cd m⁻².
@@ -136,70 +113,16 @@ pub fn vertical_illuminance_lx(luminance_cd_m2: &[f32], facing_azimuth_rad: f64)
     sum
 }
 
-/// What shines beside artificial light.
-#[derive(Clone, Copy, Debug)]
-pub enum NaturalSky<'a> {
-    /// Nothing: a closed layer of cloud lets nothing natural through, and there are no stars.
-    Hidden,
-    /// 22.0 mag arcsec⁻² in every direction.
-    Uniform,
-    /// That of an instant.
-    OfInstant {
-        /// Its kinds of light, dark where ground hides them.
-        parts: &'a [SkyPart],
-        /// What is seen of them, by the responses of [`SkyNumbers::seen`].
-        seen: &'a SeenSky,
-    },
-}
-
-impl NaturalSky<'_> {
-    /// Uniform but under clouds.
-    pub fn under_clouds(are_there: bool) -> Self {
-        if are_there { Self::Hidden } else { Self::Uniform }
-    }
-
-    /// Mean of what a response sees of it over the visible directions by the weight of their angles to the zenith.
-    fn mean(self, response: &Response, horizon: &Horizon, weight: impl Fn(f64) -> f64) -> f64 {
-        match self {
-            Self::Hidden => 0.0,
-            Self::Uniform => natural_sky_value(response),
-            Self::OfInstant { parts, .. } => value_of(parts, &mean_kernels(parts, horizon, weight), response),
-        }
-    }
-
-    /// ∫ sin(elevation) dΩ over the visible sky of what a response of [`SkyNumbers::seen`] sees of it.
-    fn horizontal(self, response: &Response, horizon: &Horizon, visible_projected_sr: f64) -> f64 {
-        match self {
-            Self::Hidden => 0.0,
-            Self::Uniform => visible_projected_sr * natural_sky_value(response),
-            Self::OfInstant { seen, .. } => {
-                Sums::of(seen.seen_by(response).unwrap_or_default(), horizon).horizontal
-            }
-        }
-    }
-}
-
 impl SkyQuantities {
-    /// All quantities of a sky of artificial light that nothing hides, seen by the light-adapted eye.
-    pub fn of(parts: &[SkyPart]) -> Self {
-        Self::of_visible(parts, &Horizon::flat())
-    }
-
-    /// The same of the clear sky above a horizon, whose hidden samples are 0.
-    pub fn of_visible(parts: &[SkyPart], horizon: &Horizon) -> Self {
-        let seen = SeenSky::of(parts, &SKY_RESPONSES);
-        let numbers = SkyNumbers { parts, seen: &seen, horizon, response: &Response::Photopic };
-        Self::with(NaturalSky::Uniform, numbers)
-    }
-
     /// All quantities of a sky of artificial light whose hidden samples are 0, as [`Horizon::darken`] leaves it.
     pub fn with(natural: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
         let quantities = Self::without_stars(natural, sky);
         if matches!(natural, NaturalSky::Hidden) {
             return quantities;
         }
+        let over_dark = quantities.zenith_total_luminance_cd_m2 / sky.dark.luminance_cd_m2();
         Self {
-            bortle_class: quantities.zenith_total_brightness_mag_arcsec2.map(bortle_class),
+            bortle_class: (over_dark > 0.0).then(|| bortle_class(2.5 * over_dark.log10())),
             naked_eye_limit_mag: Some(naked_eye_limit_mag(quantities.zenith_total_luminance_cd_m2)),
             ..quantities
         }
@@ -207,16 +130,13 @@ impl SkyQuantities {
 
     /// All but quantities of stars.
     fn without_stars(natural_sky: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
-        let SkyNumbers { parts, seen, horizon, response } = sky;
-        let natural_of = |of: &Response| natural_sky.mean(of, horizon, in_zenith_cap);
+        let SkyNumbers { parts, seen, horizon, response, dark } = sky;
+        let natural_of = |of: &Response| natural_sky.mean(dark, of, horizon, in_zenith_cap);
         let plane = |of: &Response| seen.seen_by(of).unwrap_or_default();
         let photopic = Sums::of(plane(&Response::Photopic), horizon);
         let natural = natural_of(&Response::Photopic);
         let at_zenith = mean_kernels(parts, horizon, in_zenith_cap);
-        let sigma = SQM_FWHM_RAD / (8.0 * std::f64::consts::LN_2).sqrt();
-        let meter = |angle: f64| (-0.5 * (angle / sigma) * (angle / sigma)).exp();
-        let in_meter = mean_kernels(parts, horizon, meter);
-        let sqm = value_of(parts, &in_meter, &Response::Sqm);
+        let sqm = value_of(parts, &mean_kernels(parts, horizon, meter_weight), &Response::Sqm);
         let zenith = photopic.zenith;
         let scotopic = weighted_mean(plane(&Response::Scotopic), horizon, in_zenith_cap);
         let xyz = [Response::CieX, Response::Photopic, Response::CieZ]
@@ -230,16 +150,13 @@ impl SkyQuantities {
             zenith_total_luminance_cd_m2: zenith + natural,
             zenith_total_brightness_mag_arcsec2: total_brightness(zenith, natural),
             // Over what a clear sky would have, where clouds hide it; over nothing where all of the zenith is ground.
-            ratio_to_natural: zenith / if natural > 0.0 { natural } else { natural_sky_luminance_cd_m2() },
+            ratio_to_natural: zenith / if natural > 0.0 { natural } else { dark.luminance_cd_m2() },
             sqm_luminance_cd_m2: sqm,
-            sqm_total_brightness_mag_arcsec2: total_brightness(
-                sqm,
-                natural_sky.mean(&Response::Sqm, horizon, meter),
-            ),
+            sqm_total_brightness_mag_arcsec2: total_brightness(sqm, natural_sky.in_meter(dark, horizon)),
             mean_luminance_cd_m2: photopic.mean,
             horizontal_illuminance_lx: photopic.horizontal,
             horizontal_total_illuminance_lx: photopic.horizontal
-                + natural_sky.horizontal(&Response::Photopic, horizon, photopic.visible_projected_sr),
+                + natural_sky.horizontal(dark, &Response::Photopic, horizon, photopic.visible_projected_sr),
             brightest_luminance_cd_m2: photopic.brightest,
             brightest_azimuth_deg: azimuth_rad(photopic.brightest_column).to_degrees(),
             brightest_elevation_deg: elevation_rad(photopic.brightest_row).to_degrees(),
@@ -256,24 +173,39 @@ impl SkyQuantities {
                 .collect(),
             seen: (*response != Response::Photopic).then(|| {
                 let sums = Sums::of(plane(response), horizon);
-                let horizontal = natural_sky.horizontal(response, horizon, sums.visible_projected_sr);
+                let horizontal = natural_sky.horizontal(dark, response, horizon, sums.visible_projected_sr);
                 ResponseQuantities::new(response, &sums, natural_of(response), horizontal)
             }),
         }
     }
 }
 
+/// All quantities of artificial light above a horizon, whose hidden samples are 0, beside a dark sky of 22.0 mag arcsec⁻².
+#[cfg(test)]
+pub(crate) fn quantities_over(parts: &[SkyPart], horizon: &Horizon) -> SkyQuantities {
+    let seen = SeenSky::of(parts, &SKY_RESPONSES);
+    let dark = &crate::natural_sky::even_sky(crate::photometry::luminance_from_brightness_cd_m2(22.0), 0.1);
+    SkyQuantities::with(
+        NaturalSky::Dark,
+        SkyNumbers { parts, seen: &seen, horizon, response: &Response::Photopic, dark },
+    )
+}
+
 /// A sky of one kind of light, of which `rule` of the photopic response gives `luminance`.
 #[cfg(test)]
 pub(crate) fn uniform_kernel(light: &crate::spectrum::Light, luminance_cd_m2: f64) -> f64 {
-    luminance_cd_m2 / light.rule(&Response::Photopic).value([1.0; NODE_COUNT])
+    luminance_cd_m2 / light.rule(&Response::Photopic).value([1.0; crate::spectrum::NODE_COUNT])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Panorama, spectrum::LampPreset};
-    use std::sync::Arc;
+    use crate::{
+        Panorama,
+        natural_sky::{NodeLight, even_sky},
+        spectrum::{LampPreset, NODE_COUNT},
+    };
+    use std::{f64::consts::PI, sync::Arc};
 
     /// A uniform sky of the default lamp with a luminance, cd m⁻².
     fn uniform(luminance_cd_m2: f64) -> Vec<SkyPart> {
@@ -286,7 +218,7 @@ mod tests {
     #[test]
     fn a_uniform_sky_gives_pi_l() {
         let (parts, luminance) = (uniform(1e-3), 1e-3);
-        let quantities = SkyQuantities::of(&parts);
+        let quantities = quantities_over(&parts, &Horizon::flat());
         assert!((quantities.horizontal_illuminance_lx / (PI * luminance) - 1.0).abs() < 1e-6);
         let seen = SeenSky::of(&parts, &SKY_RESPONSES);
         let on_wall = vertical_illuminance_lx(seen.plane(1), 0.3);
@@ -304,7 +236,7 @@ mod tests {
     /// A uniform sky has the colour of its lamp, and as many scotopic lumens to each photopic one.
     #[test]
     fn a_uniform_sky_has_the_colour_of_its_lamp() {
-        let quantities = SkyQuantities::of(&uniform(1e-3));
+        let quantities = quantities_over(&uniform(1e-3), &Horizon::flat());
         let colour = LampPreset::Mixed.colour().unwrap();
         assert!(
             (quantities.zenith_scotopic_photopic_ratio.unwrap() / colour.scotopic_photopic_ratio - 1.0).abs()
@@ -327,7 +259,7 @@ mod tests {
     /// A dark sky is natural and has no artificial magnitude.
     #[test]
     fn a_dark_sky_is_natural() {
-        let quantities = SkyQuantities::of(&[]);
+        let quantities = quantities_over(&[], &Horizon::flat());
         assert_eq!(quantities.zenith_brightness_mag_arcsec2, None);
         assert!((quantities.zenith_total_brightness_mag_arcsec2.unwrap() - 22.0).abs() < 1e-9);
         assert_eq!(quantities.bortle_class, Some(1));
@@ -339,13 +271,14 @@ mod tests {
     #[test]
     fn overcast_totals_are_artificial_light() {
         let (parts, open) = (uniform(1e-3), Horizon::flat());
+        let dark = &even_sky(1.7e-4, 0.0);
         let under = |natural: NaturalSky<'_>, parts: &[SkyPart]| {
             let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
             let seen = SeenSky::of(parts, &responses);
             let response = &Response::Melanopic;
-            SkyQuantities::with(natural, SkyNumbers { parts, seen: &seen, horizon: &open, response })
+            SkyQuantities::with(natural, SkyNumbers { parts, seen: &seen, horizon: &open, response, dark })
         };
-        let (clear, cloudy) = (under(NaturalSky::Uniform, &parts), under(NaturalSky::Hidden, &parts));
+        let (clear, cloudy) = (under(NaturalSky::Dark, &parts), under(NaturalSky::Hidden, &parts));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
         assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
         assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
@@ -365,9 +298,9 @@ mod tests {
         let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
         let [seen, natural_seen] = [&parts, &natural].map(|parts| SeenSky::of(parts, &responses));
         let open = Horizon::flat();
-        let numbers =
-            SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response: &Response::Melanopic };
-        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen };
+        let (response, dark) = (&Response::Melanopic, &even_sky(1.7e-4, 0.0));
+        let numbers = SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response, dark };
+        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[] };
         let found = SkyQuantities::with(sky, numbers);
         let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
         let seen = found.seen.unwrap();
@@ -384,6 +317,16 @@ mod tests {
         let brighter = artificial.sqm_total_brightness_mag_arcsec2.unwrap()
             - found.sqm_total_brightness_mag_arcsec2.unwrap();
         assert!((brighter - 2.5 * 1.2f64.log10()).abs() < 1e-5, "{brighter}");
+        // Stars in its field make the meter's reading brighter, and nothing else.
+        let light = Arc::clone(&natural[0].light);
+        let kernel = uniform_kernel(&light, 1e-4);
+        let points = &[NodeLight { light, kernel: [kernel; NODE_COUNT] }];
+        let starry = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points };
+        let with_stars = SkyQuantities::with(starry, numbers);
+        let brighter = found.sqm_total_brightness_mag_arcsec2.unwrap()
+            - with_stars.sqm_total_brightness_mag_arcsec2.unwrap();
+        assert!((brighter - 2.5 * (1.3f64 / 1.2).log10()).abs() < 1e-5, "{brighter}");
+        assert_eq!(with_stars.zenith_total_luminance_cd_m2, found.zenith_total_luminance_cd_m2);
     }
 
     #[test]
@@ -392,7 +335,7 @@ mod tests {
         for node in 0..NODE_COUNT {
             parts[0].kernel.samples_mut()[Panorama::index(node, 3, 64)] = 1.0;
         }
-        let quantities = SkyQuantities::of(&parts);
+        let quantities = quantities_over(&parts, &Horizon::flat());
         assert!((quantities.brightest_azimuth_deg - 90.0).abs() < 1e-9);
         assert!((quantities.brightest_elevation_deg - 3.5 * 90.0 / 64.0).abs() < 1e-9);
     }

@@ -3,6 +3,8 @@
 use crate::{
     horizon::Horizon,
     panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, elevation_rad, projected_sr, solid_angle_sr},
+    seen_sky::SkyPart,
+    spectrum::{NODE_COUNT, Response},
 };
 use std::f64::consts::PI;
 
@@ -75,4 +77,29 @@ pub(crate) fn in_zenith_cap(angle_rad: f64) -> f64 {
 /// Number of columns whose sample in a row is sky.
 pub(crate) fn visible_columns(horizon: &Horizon, row: usize) -> usize {
     (0..AZIMUTH_COUNT).filter(|&column| !horizon.hides_sample(row, column)).count()
+}
+
+/// Means of the parts' kernels over the visible directions, `weight` of a direction being that of its angle to the zenith [rad].
+/// 0 where nothing with a weight is visible.
+pub(crate) fn mean_kernels(
+    parts: &[SkyPart],
+    horizon: &Horizon,
+    weight: impl Fn(f64) -> f64,
+) -> Vec<[f64; NODE_COUNT]> {
+    let weights: Vec<f64> =
+        (0..ELEVATION_COUNT).map(|row| weight(PI / 2.0 - elevation_rad(row)) * solid_angle_sr(row)).collect();
+    let total: f64 =
+        weights.iter().enumerate().map(|(row, weight)| weight * visible_columns(horizon, row) as f64).sum();
+    let mean = |part: &SkyPart, node: usize| {
+        let lit = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        let sum: f64 = lit.map(|(row, weight)| weight * part.kernel.row_sum(node, row)).sum();
+        if total > 0.0 { sum / total } else { 0.0 }
+    };
+    parts.iter().map(|part| std::array::from_fn(|node| mean(part, node))).collect()
+}
+
+/// What a response sees of lights behind their kernels.
+pub(crate) fn value_of(parts: &[SkyPart], kernels: &[[f64; NODE_COUNT]], response: &Response) -> f64 {
+    let of_parts = parts.iter().zip(kernels).map(|(part, kernel)| part.light.rule(response).value(*kernel));
+    of_parts.fold(0.0, |sum, value| sum + value)
 }

@@ -6,7 +6,7 @@ import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { compact } from "./compact.mjs";
 import { nightOf, nightSkyAt } from "./night.mjs";
-import { COLUMNS, LAMPS, quantities, RESPONSES, ROWS, radiance, TOWNS } from "./sky.mjs";
+import { COLUMNS, LAMPS, NATURAL, quantities, RESPONSES, ROWS, radiance, TOWNS, valuesOf } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");
@@ -80,6 +80,7 @@ function answer(query) {
       clouds: "none",
       ground_albedo: scattering === "multiple" ? 0.15 : null,
       local_optical_depth: [0.06, 0.12, 0.19, 0.31],
+      dark_reference: { luminance_cd_m2: NATURAL, value: RESPONSES[response].natural, chromaticity: [0.36, 0.37] },
       warnings: warnings(place),
       ...(query.has("time") ? { night_sky: nightSkyAt(query.get("time"), place) } : {}),
     },
@@ -146,6 +147,7 @@ function api(path, query, response) {
       description: tiles[1],
       range,
       unit,
+      ...(tiles[1] === "brightness" ? { natural: NATURAL } : {}),
       ready: true,
       tiles: [`/api/v1/scenes/demo/tiles/${tiles[1]}/{z}/{x}/{y}.png`],
       tileSize: 256,

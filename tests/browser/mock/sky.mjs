@@ -24,7 +24,7 @@ const RAD = Math.PI / 180;
 export const COLUMNS = 256;
 export const ROWS = 64;
 const EFFICACY = [150, 567, 45];
-const NATURAL = 1.08e5 * 10 ** (-0.4 * 22);
+export const NATURAL = 1.08e5 * 10 ** (-0.4 * 22);
 /** Of the server's lamps a few, each with its flux in R, G, B per DNB watt. */
 export const LAMPS = {
   mixed: [0.408, 0.642, 0.186],

@@ -73,7 +73,7 @@ export class SkyGrid {
     this.ofResponse = both((kind) => layer(kind, response.name));
     this.ofEye = both((kind) => EYE.map((name) => layer(kind, name)) as unknown as OfEye);
     const natural = planes.find(({ response: name }) => name === response.name)?.natural ?? 0;
-    this.seen = seenFrom(response, isClear ? natural : 0);
+    this.seen = seenFrom(response, natural);
   }
 
   /** What the eye sees at a sample of the grid. */

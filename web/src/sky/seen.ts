@@ -2,7 +2,7 @@
 
 import type { PanoramaAnswer } from "../api/types.ts";
 import { typeset } from "../api/units.ts";
-import { NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
 
 export interface Seen {
   /** The server's name of it. */
@@ -15,22 +15,22 @@ export interface Seen {
   hasMagnitude: boolean;
 }
 
+/** The eye before a dark sky of round brightness, as long as no answer says what the natural sky is. */
 export const PHOTOPIC: Readonly<Seen> = {
   response: "photopic",
   unit: "cd/m²",
-  natural: NATURAL_SKY_CD_M2,
+  natural: luminanceFromBrightnessCdM2(21.9),
   hasMagnitude: true,
 };
 
 const WITH_MAGNITUDE: readonly string[] = ["johnson_b", "johnson_v", "johnson_r", "sqm"];
 
-/** What sees a panorama. Behind clouds only the eye's natural sky is known: `natural` is then 0. */
-export function seenFrom(response: PanoramaAnswer["response"], natural: number): Seen {
-  if (response.name === PHOTOPIC.response) return PHOTOPIC;
+/** What sees a panorama, and its value of the natural sky; 0 where that is not known. */
+export function seenFrom({ name, unit }: PanoramaAnswer["response"], natural: number): Seen {
   return {
-    response: response.name,
-    unit: typeset(response.unit),
+    response: name,
+    unit: typeset(unit),
     natural: natural > 0 ? natural : null,
-    hasMagnitude: WITH_MAGNITUDE.includes(response.name),
+    hasMagnitude: name === PHOTOPIC.response || WITH_MAGNITUDE.includes(name),
   };
 }

@@ -5,7 +5,6 @@ import type { TileJson } from "../api/types.ts";
 import { typeset } from "../api/units.ts";
 import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster-layers.ts";
-import { luminanceFromBrightnessCdM2, NATURAL_SKY_MAG_ARCSEC2 } from "../photometry.ts";
 import { tileGradient } from "../sky/colour-maps.ts";
 import type { LayerName, ResponseName } from "../state/view-state.ts";
 import { byId, make } from "./dom.ts";
@@ -33,21 +32,21 @@ function about(value: number): string {
   return decimal(Number(value.toPrecision(2)));
 }
 
-/** A share of the natural sky, as people say it. */
-function ofNatural(luminanceCdM2: number): string {
-  const share = luminanceCdM2 / luminanceFromBrightnessCdM2(NATURAL_SKY_MAG_ARCSEC2);
+/** A share, as people say it. */
+function asShare(share: number): string {
   return share < 0.1 ? `${about(100 * share)} %` : `${about(share)} ×`;
 }
 
 /** What stands at the dark and the bright end of a layer's colours. */
 export function scaleEnds(
   name: LayerName,
-  { range, unit }: Pick<TileJson, "range" | "unit">,
+  { range, unit, natural }: Pick<TileJson, "range" | "unit" | "natural">,
   response: ResponseName,
 ): [string, string] {
   if (range == null) return [words().layers.seaLevel, words().layers.highest];
   const [dark = 0, bright = 0] = range;
-  if (name === "brightness" && response === "photopic") return [ofNatural(dark), words().layers.ofNatural(ofNatural(bright))];
+  if (name === "brightness" && response === "photopic" && natural != null)
+    return [asShare(dark / natural), words().layers.ofNatural(asShare(bright / natural))];
   if (name === "brightness") return [quantity(dark, typeset(unit)), quantity(bright, typeset(unit))];
   if (name === "influence")
     return [`1/${whole(Math.round(bright / dark))}`, words().layers.aPixel(quantity(bright, typeset(unit)))];

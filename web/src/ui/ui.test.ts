@@ -128,7 +128,7 @@ test("the ends of a layer's colours have units", () => {
   assert.equal(typeset("cd m-2"), "cd/m²");
   assert.equal(typeset("lx"), "lx");
   assert.deepEqual(scaleEnds("radiance", { range: [0.2, 200], unit: "nW cm-2 sr-1" }, "photopic"), ["0.2", "200 nW/cm²/sr"]);
-  assert.deepEqual(scaleEnds("brightness", { range: [1.71e-6, 6.84e-3], unit: "cd m-2" }, "photopic"), [
+  assert.deepEqual(scaleEnds("brightness", { range: [1.8e-6, 7.2e-3], unit: "cd m-2", natural: 1.8e-4 }, "photopic"), [
     "1 %",
     "40 × the natural sky",
   ]);

@@ -1,6 +1,6 @@
 //! What every number of a sky depends on.
 
-use super::{SceneReference, site::ground_warning};
+use super::{DarkReferenceAnswer, SceneReference, site::ground_warning};
 use crate::{
     facts::{KindFacts, SourceFacts},
     format::rounded,
@@ -159,10 +159,12 @@ pub struct Assumptions {
     pub clouds: String,
     /// Lambertian albedo of that base from below; null where there are no clouds.
     pub cloud_albedo: Option<f64>,
-    /// The time that the natural sky is of; absent where none was asked for, and it is 22.0 mag arcsec⁻² in every direction.
+    /// What stands for the natural sky where no time is asked for.
+    pub dark_reference: DarkReferenceAnswer,
+    /// The time that the natural sky is of; absent where none was asked for, and it is the dark reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<String>,
-    /// Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent without a time.
+    /// Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent where no time and no night is asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solar_flux_sfu: Option<f64>,
     /// Whether terrain hides the sky below the observer's horizon: false with `terrain=off` and in a scene without
@@ -226,6 +228,7 @@ impl Assumptions {
             emission: request.emission.into(),
             clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(request),
+            dark_reference: DarkReferenceAnswer::new(&context.dark, &request.response),
             time: request.time.map(|time| time.instant.to_rfc3339()),
             solar_flux_sfu: request.time.map(|time| time.solar_flux_sfu),
             terrain_occlusion: request.terrain_hides && scene.terrain,

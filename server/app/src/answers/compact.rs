@@ -4,7 +4,7 @@ use super::{Assumptions, Light, PanoramaGrid};
 use serde::Serialize;
 use skyglow_display::{LogPlane, PointTable, SkyBodies, encode::STEPS_PER_E, encode_sky};
 use skyglow_observatory::RenderedSky;
-use skyglow_physics::{Direction, SeenSky, natural_sky::natural_sky_value};
+use skyglow_physics::{Direction, SeenSky};
 use utoipa::ToSchema;
 
 /// The header of a compact panorama; samples and points follow it (docs/guide.md).
@@ -38,8 +38,7 @@ pub struct CompactPlane {
     light: Light,
     /// The value of code 1; code c is `lowest · exp((c − 1) / steps_per_e)`, and 0 is darkness.
     lowest: f64,
-    /// What the response sees of a natural sky of 22.0 mag arcsec⁻², which adds to a clear sky's artificial light where no time was
-    /// asked for.
+    /// What the response sees of the dark reference, which adds to a clear sky's artificial light where no time was asked for.
     natural: f64,
 }
 
@@ -86,7 +85,7 @@ pub fn compact_panorama(
     sky: &RenderedSky,
     bodies: &SkyBodies,
 ) -> Result<Vec<u8>, serde_json::Error> {
-    let total = sky.seen_with_night();
+    let total = sky.night.is_some().then(|| sky.seen_in_total());
     let mut planes = Vec::new();
     let mut group = |seen: &SeenSky, light: Light| {
         let coded = LogPlane::of_sky(seen, &sky.horizon);
@@ -95,7 +94,7 @@ pub fn compact_panorama(
             unit: response.unit(),
             light,
             lowest: plane.lowest,
-            natural: natural_sky_value(response),
+            natural: sky.context.dark.value(response),
         }));
         coded
     };

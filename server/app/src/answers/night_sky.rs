@@ -83,7 +83,7 @@ impl From<&ComponentSky> for ComponentAnswer {
 impl NightSkyAnswer {
     /// Of a rendered sky; None where it has none.
     pub fn of(sky: &RenderedSky) -> Option<Self> {
-        let (night, total) = (sky.night.as_ref()?, sky.seen_with_night()?);
+        let (night, total) = (sky.night.as_ref()?, sky.seen_in_total());
         let stars = night.seen_stars(total.seen_by(&Response::Photopic)?, &sky.horizon);
         Some(Self {
             bodies: BodiesAnswer::of(night.heavens()),

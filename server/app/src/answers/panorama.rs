@@ -75,20 +75,11 @@ pub enum Light {
 impl PanoramaAnswer {
     /// The answer for a rendered sky.
     pub fn new(assumptions: Assumptions, sky: &RenderedSky, light: Sky) -> Self {
-        let night = (light == Sky::Total).then(|| sky.seen_with_night()).flatten();
-        let bands = sky.seen_by(&RGB_BANDS, night.is_some());
-        let values = night.as_ref().and_then(|night| night.seen_by(&sky.response)).unwrap_or(sky.values());
-        let light = if night.is_some() { Sky::TotalOfInstant } else { light };
-        let row_of = |plane: &[f32], added: f32, row: usize| -> Vec<f32> {
-            let row_samples = plane[row * AZIMUTH_COUNT..][..AZIMUTH_COUNT].iter().enumerate();
-            row_samples
-                .map(
-                    |(column, radiance)| {
-                        if sky.horizon.hides_sample(row, column) { 0.0 } else { radiance + added }
-                    },
-                )
-                .collect()
-        };
+        let total = (light == Sky::Total).then(|| sky.seen_in_total());
+        let bands = sky.seen_by(&RGB_BANDS, total.is_some());
+        let seen = total.as_ref().unwrap_or(&sky.seen);
+        // Nothing is seen where ground hides the sky.
+        let rows = |plane: &[f32]| plane.chunks_exact(AZIMUTH_COUNT).map(<[f32]>::to_vec).collect();
         Self {
             assumptions,
             grid: PanoramaGrid::default(),
@@ -98,17 +89,8 @@ impl PanoramaAnswer {
                 Sky::Artificial => Light::Artificial,
                 Sky::Total | Sky::TotalOfInstant => Light::Total,
             },
-            radiance: RGB_BANDS
-                .iter()
-                .enumerate()
-                .map(|(place, band)| {
-                    let added = light.added(band) as f32;
-                    (0..ELEVATION_COUNT).map(|row| row_of(bands.plane(place), added, row)).collect()
-                })
-                .collect(),
-            values: (0..ELEVATION_COUNT)
-                .map(|row| row_of(values, light.added(&sky.response) as f32, row))
-                .collect(),
+            radiance: (0..RGB_BANDS.len()).map(|place| rows(bands.plane(place))).collect(),
+            values: rows(seen.seen_by(&sky.response).unwrap_or_default()),
             horizon_deg: sky
                 .horizon
                 .elevations_rad()

@@ -53,6 +53,9 @@ pub struct TileJson {
     pub unit: String,
     /// What the darkest and the brightest colour stand for, logarithmic between; null where colours are tints.
     pub range: Option<[f64; 2]>,
+    /// Of `brightness`, what the response sees of the dark reference outside the air, which its colours go by; absent for other layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub natural: Option<f64>,
     /// Whether tiles are answered at once; until then they wait for what they show to be found. Ask again to know.
     pub ready: bool,
     /// The part that is found, 0 to 1, where tiles are not ready.

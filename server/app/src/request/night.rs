@@ -1,12 +1,16 @@
 //! Which night, or which month of nights.
 
+use super::sky::read_sky_at_night;
 use crate::{
     error::AppError,
+    facts::SourceFacts,
     parameters::{self as p, Parameter, ParameterSet},
     reader::Reader,
     validation::ValidationCode,
 };
-use skyglow_celestial::{Calendar, CalendarDate, CelestialError, Night, Site};
+use skyglow_celestial::{Calendar, CalendarDate, CelestialError, Instant, Night, Site};
+use skyglow_observatory::{SkyRequest, SkyTime};
+use skyglow_scene::SceneId;
 
 /// Reads the parameters of a night and finds it, at sea level.
 ///
@@ -19,6 +23,45 @@ pub fn night(query: Option<&str>) -> Result<Night, AppError> {
     reader.finish()?;
     let (Some(site), Some(date)) = (site, date) else { return Err(neither()) };
     Ok(Night::of(site, date))
+}
+
+/// A night over a place of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneNight {
+    /// The sky without a time, of which the artificial light is that of all hours.
+    pub sky: SkyRequest,
+    /// When it is dark.
+    pub night: Night,
+    /// Radio flux of the Sun at 10.7 cm, solar flux units.
+    pub solar_flux_sfu: f64,
+}
+
+impl SceneNight {
+    /// The hours of UTC from noon to noon.
+    pub fn hours(&self) -> Vec<SkyTime> {
+        const HOUR_S: f64 = 3_600.0;
+        let first = (self.night.from_utc.unix_s() / HOUR_S).ceil();
+        let last = (self.night.until_utc.unix_s() / HOUR_S).floor();
+        (0..=(last - first) as u32)
+            .filter_map(|hour| Instant::from_unix_s((first + f64::from(hour)) * HOUR_S).ok())
+            .map(|instant| SkyTime { instant, solar_flux_sfu: self.solar_flux_sfu })
+            .collect()
+    }
+}
+
+/// Reads the parameters of a night over a place of a scene.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake.
+pub fn scene_night(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<SceneNight, AppError> {
+    let mut reader = Reader::new(query, p::SceneNightParameters::ALL);
+    let date = read_required(&mut reader, &p::DATE, CalendarDate::parse);
+    let sky = read_sky_at_night(&mut reader, scene, facts);
+    reader.finish()?;
+    let (Some(date), Some((sky, solar_flux_sfu))) = (date, sky) else { return Err(neither()) };
+    let site = Site::new(sky.place.latitude_deg(), sky.place.longitude_deg(), 0.0);
+    let night = Night::of(site.map_err(AppError::internal)?, date);
+    Ok(SceneNight { sky, night, solar_flux_sfu })
 }
 
 /// Reads the parameters of a month of nights and finds them, at sea level.

@@ -57,6 +57,17 @@ fn read_time(
             return None;
         }
     };
+    has_celestial_tables(reader, &p::TIME, facts, turbidity)
+        .then_some(Some(SkyTime { instant, solar_flux_sfu }))
+}
+
+/// Whether there are tables for the natural sky of a time; where there are none, the parameter that asks for them is refused.
+fn has_celestial_tables(
+    reader: &mut Reader,
+    asking: &p::Parameter,
+    facts: &SourceFacts,
+    turbidity: Option<Turbidity>,
+) -> bool {
     let allowed = match facts.celestial_turbidity_range {
         None => {
             "no time: there are no celestial tables beside the packs; `skyglow precompute --part celestial` makes \
@@ -66,10 +77,10 @@ fn read_time(
         Some((least, most)) if turbidity.is_some_and(|t| !(least..=most).contains(&t.value())) => {
             format!("a time with a turbidity of {least} to {most}, which there are celestial tables for")
         }
-        Some(_) => return Some(Some(SkyTime { instant, solar_flux_sfu })),
+        Some(_) => return true,
     };
-    reader.fail(&p::TIME, ValidationCode::NotResident, None, Some(allowed));
-    None
+    reader.fail(asking, ValidationCode::NotResident, None, Some(allowed));
+    false
 }
 
 /// What a sky is asked with beside the place.
@@ -170,6 +181,22 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
     let conditions = read_conditions(reader, facts);
     let time = read_time(reader, facts, conditions.as_ref().map(|conditions| conditions.turbidity));
     Some(SkyRequest { time: time?, ..conditions?.over(scene, place?, observer_height) })
+}
+
+/// A sky without a time, and the solar flux of a night over it.
+pub(super) fn read_sky_at_night(
+    reader: &mut Reader,
+    scene: SceneId,
+    facts: &SourceFacts,
+) -> Option<(SkyRequest, f64)> {
+    let place = read_place(reader);
+    let observer_height = read_eye_height(reader, facts);
+    let conditions = read_conditions(reader, facts);
+    let solar_flux_sfu = reader.number(&p::SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU);
+    let turbidity = conditions.as_ref().map(|conditions| conditions.turbidity);
+    let has_tables = has_celestial_tables(reader, &p::DATE, facts, turbidity);
+    let sky = conditions?.over(scene, place?, observer_height);
+    has_tables.then_some((sky, solar_flux_sfu))
 }
 
 /// The id of a scenario or plan; None where none is given, or it is refused.

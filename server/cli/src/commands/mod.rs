@@ -10,6 +10,7 @@ mod ingest;
 mod kept;
 mod landscape;
 mod night;
+mod nights;
 mod packs;
 mod panorama;
 mod plan;
@@ -36,7 +37,8 @@ pub(crate) enum Command {
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
     Skies(skies::Skies),
-    Night(night::Night),
+    Night(Box<night::Night>),
+    Nights(nights::Nights),
     Influence(influence::Influence),
     Shares(shares::Shares),
     Darker(darker::Darker),
@@ -64,6 +66,7 @@ impl Command {
             Command::Sky(command) => command.run(),
             Command::Skies(command) => command.run(),
             Command::Night(command) => command.run(),
+            Command::Nights(command) => command.run(),
             Command::Influence(command) => command.run(),
             Command::Shares(command) => command.run(),
             Command::Darker(command) => command.run(),

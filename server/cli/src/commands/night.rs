@@ -1,22 +1,39 @@
-//! `skyglow night`: when a night is dark.
+//! `skyglow night`: when a night is dark, and in a scene how bright it is hour by hour.
 
 use crate::{
     failure::Failure,
-    flags::JsonFlags,
+    flags::{JsonFlags, ProgramFlags},
     print,
     query::{self, QueryFlags},
+    render,
     table::aligned,
 };
 use clap::Args;
-use skyglow_app::{parameters::NightParameters, request};
+use skyglow_app::{
+    SkySource,
+    answers::{NightHourAnswer, NightHoursAnswer},
+    parameters::SceneNightParameters,
+    request,
+};
 use skyglow_celestial::{Instant, Night as FoundNight, night::Twilight};
+use skyglow_scene::SceneId;
 
 /// Say when the Sun sets and rises, how twilight goes, what the Moon does, and when the night is dark
+///
+/// With a scene it also says how bright zenith and horizon are hour by hour, with all light, and which hour is the darkest. Flags beside
+/// place and date mean something in a scene alone.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  skyglow night --lat 46.17 --lon 8.79 --date 2026-08-12")]
+#[command(
+    after_help = "Examples:\n  skyglow night --lat 46.17 --lon 8.79 --date 2026-08-12\n  skyglow night --scene demo --lat 46.17 --lon 8.79 --date 2026-08-12"
+)]
 pub(crate) struct Night {
+    /// The scene's id, for the sky hour by hour
+    #[arg(long, value_name = "ID", value_parser = SceneId::parse)]
+    scene: Option<SceneId>,
     #[command(flatten)]
-    query: QueryFlags<NightParameters>,
+    query: QueryFlags<SceneNightParameters>,
+    #[command(flatten)]
+    program: ProgramFlags,
     #[command(flatten)]
     json: JsonFlags,
 }
@@ -24,12 +41,54 @@ pub(crate) struct Night {
 impl Night {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
+        if let Some(scene) = &self.scene {
+            let answer = self.hours(scene)?;
+            if self.json.json {
+                return print::print_json(&answer);
+            }
+            print::print_line(aligned(&rows(&answer.night)).trim_end())?;
+            return print::print_line(aligned(&hour_rows(&answer)).trim_end());
+        }
         let night = request::night(Some(self.query.query())).map_err(|error| query::failure(&error))?;
         if self.json.json {
             return print::print_json(&night);
         }
         print::print_line(aligned(&rows(&night)).trim_end())
     }
+}
+
+impl Night {
+    fn hours(&self, scene: &SceneId) -> Result<NightHoursAnswer, Failure> {
+        let read = |facts: &_| {
+            request::scene_night(Some(self.query.query()), scene.clone(), facts)
+                .map_err(|error| query::failure(&error))
+        };
+        read(&self.program.facts())?;
+        let source = self.program.source()?;
+        let asked = read(source.facts())?;
+        let (assumptions, sky) = render::rendered(source.as_ref(), asked.sky.clone())?;
+        let skies = source.sky_at_times(&asked.sky, &sky, &asked.hours());
+        let skies = skies.map_err(|error| query::failure(&error))?;
+        Ok(NightHoursAnswer::new(assumptions, asked.night, asked.solar_flux_sfu, &skies))
+    }
+}
+
+fn hour_rows(answer: &NightHoursAnswer) -> Vec<Vec<String>> {
+    let titles = ["time", "Sun", "Moon", "zenith", "SQM", "horizon", ""];
+    let magnitude = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}"));
+    let hour = |hour: &NightHourAnswer| {
+        let is_best = answer.best_hour == Some(hour.time);
+        vec![
+            hour.time.to_rfc3339(),
+            format!("{:.1}", hour.sun_altitude_deg),
+            format!("{:.1}", hour.moon_altitude_deg),
+            magnitude(hour.zenith_total_brightness_mag_arcsec2),
+            magnitude(hour.sqm_total_brightness_mag_arcsec2),
+            magnitude(hour.horizon_total_brightness_mag_arcsec2),
+            if is_best { "darkest" } else { "" }.to_owned(),
+        ]
+    };
+    [titles.map(str::to_owned).to_vec()].into_iter().chain(answer.hours.iter().map(hour)).collect()
 }
 
 fn rows(night: &FoundNight) -> Vec<Vec<String>> {

@@ -16,7 +16,8 @@ use skyglow_app::{
     parameters::ReferenceParameters,
     request,
 };
-use skyglow_observatory::{RenderContext, RenderedSky, SkyRequest};
+use skyglow_display::Sky;
+use skyglow_observatory::{RenderContext, RenderedSky, SkyRequest, night_sky::dark_sky};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon,
     Response, SkyPart, SourcePixel,
@@ -159,6 +160,7 @@ impl Reference {
                 .sum(),
             basis_count: 0,
             basis_error_bound: None,
+            dark: dark_sky(None, request.turbidity, altitude_m),
             lamps_not_met: Vec::new(),
         };
         let sky = RenderedSky::new(&request, parts.collect(), horizon, context);
@@ -183,11 +185,13 @@ impl Reference {
                 // What is interpolated cannot judge, direction by direction.
                 fields.remove("radiance");
             }
+            let dark = &sky.context.dark;
+            let natural = |response: &Response| if light == Sky::Total { dark.value(response) } else { 0.0 };
             let seen = |response: &Response, at: usize| {
                 let of_kind = |(light, kernel): &(Arc<Light>, Vec<[f64; BAND_COUNT]>)| {
                     light.rule(response).value(kernel[at])
                 };
-                kernels.iter().map(of_kind).sum::<f64>() + light.added(response)
+                kernels.iter().map(of_kind).sum::<f64>() + natural(response)
             };
             let mut directions: Vec<DirectionAnswer> = visible
                 .iter()

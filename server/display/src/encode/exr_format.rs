@@ -83,7 +83,7 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
 mod tests {
     use super::*;
     use crate::fixtures::bands_sky;
-    use crate::{Projection, Sky, raster::raster};
+    use crate::{Projection, raster::raster};
     use exr::prelude::{ReadChannels, ReadLayers, read};
     use skyglow_physics::Horizon;
 
@@ -106,8 +106,7 @@ mod tests {
     fn an_exr_round_trips_in_channels_r_g_b() {
         let panorama = bands_sky(|i| 1e-9 * i as f32);
         let flat = Horizon::flat();
-        let raster =
-            raster(&panorama, &flat, Projection::Equirectangular, (256, 64), Sky::Artificial).unwrap();
+        let raster = raster(&panorama, &flat, Projection::Equirectangular, (256, 64)).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["B", "G", "R"]);
         for pixel in 0..256 * 64 {
@@ -119,7 +118,7 @@ mod tests {
     #[test]
     fn the_channels_of_an_exr_say_their_unit() {
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
+        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16)).unwrap();
         let bytes = encode_exr(&raster, &Notes::default()).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         for (name, band) in
@@ -135,7 +134,7 @@ mod tests {
     #[test]
     fn an_exr_holds_description_and_assumptions() {
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16), Sky::Artificial).unwrap();
+        let raster = raster(&dark, &flat, Projection::Equirectangular, (64, 16)).unwrap();
         let bytes = encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
         let header = &exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), false).unwrap().headers[0];
         let comments = header.own_attributes.comments.as_ref().map(Text::to_string);
@@ -148,7 +147,7 @@ mod tests {
     #[test]
     fn an_exr_has_the_same_bytes_each_time() {
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40)).unwrap();
         let encode = || encode_exr(&raster, &Notes::new("a sky", r#"{"turbidity":2.5}"#)).unwrap();
         let first = encode();
         assert!((0..20).all(|_| encode() == first));
@@ -159,7 +158,7 @@ mod tests {
     #[test]
     fn a_fisheye_exr_has_sky_as_alpha() {
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40), Sky::Total).unwrap();
+        let raster = raster(&dark, &flat, Projection::Fisheye, (40, 40)).unwrap();
         let channels = channels(&encode_exr(&raster, &Notes::default()).unwrap());
         assert_eq!(channels[0].0, "A");
         for (pixel, alpha) in (0..).zip(&channels[0].1) {

@@ -94,7 +94,7 @@ fn gdal_metadata(notes: &Notes) -> String {
 mod tests {
     use super::*;
     use crate::fixtures::bands_sky;
-    use crate::{Projection, Sky, raster::raster};
+    use crate::{Projection, raster::raster};
     use skyglow_physics::Horizon;
     use tiff::decoder::{Decoder, DecodingResult};
 
@@ -102,7 +102,7 @@ mod tests {
     fn the_bands_of_a_tiff_are_named_with_their_unit() {
         let size = Projection::Equirectangular.default_raster_size_px();
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let raster = raster(&dark, &flat, Projection::Equirectangular, size).unwrap();
         let mut decoder =
             Decoder::new(Cursor::new(encode_tiff(&raster, &Notes::default()).unwrap())).unwrap();
         let metadata = decoder.get_tag_ascii_string(GDAL_METADATA).unwrap();
@@ -118,7 +118,7 @@ mod tests {
     fn a_tiff_holds_description_and_assumptions() {
         let size = Projection::Equirectangular.default_raster_size_px();
         let (dark, flat) = (bands_sky(|_| 0.0), Horizon::flat());
-        let raster = raster(&dark, &flat, Projection::Equirectangular, size, Sky::Artificial).unwrap();
+        let raster = raster(&dark, &flat, Projection::Equirectangular, size).unwrap();
         let notes = Notes::new("a sky", r#"{"attribution":"A & B <c>"}"#);
         let mut decoder = Decoder::new(Cursor::new(encode_tiff(&raster, &notes).unwrap())).unwrap();
         let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap();
@@ -139,7 +139,7 @@ mod tests {
             (Projection::Fisheye, (50, 50)),
             (Projection::Fisheye, (701, 299)),
         ] {
-            let raster = raster(&panorama, &flat, projection, size, Sky::Artificial).unwrap();
+            let raster = raster(&panorama, &flat, projection, size).unwrap();
             let bytes = encode_tiff(&raster, &Notes::default()).unwrap();
             let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
             assert_eq!(decoder.dimensions().unwrap(), size);

@@ -24,8 +24,8 @@ use skyglow_app::{
     parameters::OptionalInfluenceParameters,
     request::{brightness, influence, scene_id},
 };
-use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_range};
-use skyglow_observatory::Measure;
+use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
+use skyglow_observatory::{Measure, brightness_range, natural_value};
 use skyglow_physics::Response as ResponseKind;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 
@@ -153,9 +153,9 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     // What comes from another version has another address: caches may keep tiles for ever.
     let parameters = query.split('&').filter(|pair| !pair.is_empty() && !pair.starts_with("v="));
     let query: String = parameters.map(|pair| format!("&{pair}")).collect();
-    let progress = match shown {
-        Shown::Brightness { progress, .. } => *progress,
-        _ => None,
+    let (progress, natural) = match shown {
+        Shown::Brightness { progress, response, .. } => (*progress, Some(natural_value(response))),
+        _ => (None, None),
     };
     TileJson {
         tilejson: "3.0.0".to_owned(),
@@ -166,6 +166,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
         scheme: "xyz".to_owned(),
         unit: unit.to_owned(),
         range,
+        natural,
         ready: progress.is_none(),
         progress,
         tiles: vec![format!(

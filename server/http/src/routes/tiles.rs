@@ -27,11 +27,11 @@ use skyglow_app::{
 use skyglow_display::{
     Notes, notes,
     tile::{
-        INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_range, brightness_tile_png, elevation_tile_png,
+        INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR, brightness_tile_png, elevation_tile_png,
         influence_tile_png, radiance_tile_png,
     },
 };
-use skyglow_observatory::Measure;
+use skyglow_observatory::{Measure, brightness_range};
 use skyglow_scene::{ChangeId, SceneId, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
@@ -76,7 +76,7 @@ struct Address {
 
 /// A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation`
 /// with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the
-/// natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
+/// dark reference outside the air to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
 /// pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission` and the shares beside it, `terrain`,
 /// `influence` all parameters below, and needs the place.
 #[utoipa::path(
@@ -314,7 +314,7 @@ pub(super) fn brightness_description(response: &skyglow_physics::Response, illus
     let (dark, bright) = brightness_range(response);
     let what = brightness_shows(response);
     let shows = format!(
-        "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the natural sky to forty times that) on a logarithmic scale; less is \
+        "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the dark reference outside the air to forty times that) on a logarithmic scale; less is \
          transparent",
         response.unit()
     );

@@ -30,7 +30,7 @@ async fn document_and_routes_are_the_same() {
             .as_array()
             .is_some_and(|list| list.iter().any(|p| p["name"] == "lat" && p["required"] == true));
         let query = match (path.as_str(), needs_a_place) {
-            ("/api/v1/night", _) => "?lat=-1&lon=37&date=2026-08-20",
+            ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "?lat=-1&lon=37&date=2026-08-20",
             ("/api/v1/nights", _) => "?lat=-1&lon=37&month=2026-08",
             (_, true) => "?lat=-1&lon=37",
             _ => "",
@@ -79,7 +79,7 @@ async fn every_default_can_be_sent() {
             let needs_place = parameters.iter().any(|p| p["name"] == "lat" && p["required"] == true);
             let needs_place = needs_place || path.contains("{layer}") && layer == "influence";
             let query = match (path.as_str(), needs_place) {
-                ("/api/v1/night", _) => "lat=-1&lon=37&date=2026-08-20",
+                ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "lat=-1&lon=37&date=2026-08-20",
                 ("/api/v1/nights", _) => "lat=-1&lon=37&month=2026-08",
                 (_, true) => "lat=-1&lon=37",
                 _ => "",

@@ -10,8 +10,7 @@ use skyglow_app::{
     source::BoxFuture,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
-    PlanOutcome, PlanRequest, RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyRequest, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, PlanOutcome, PlanRequest, RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime, SkyRequest, SkyTime, Watch, night_sky::dark_sky,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SeenSky, SkyPart,
@@ -227,6 +226,7 @@ impl Fake {
             flux_dnb_w: 1e6,
             basis_count: request.basis.unwrap_or(if request.tolerance.is_some() { 16 } else { 64 }),
             basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
+            dark: dark_sky(None, request.turbidity, altitude_m),
             lamps_not_met: Vec::new(),
         };
         let parts = vec![SkyPart { light: Arc::clone(request.lamp.light()), kernel: panorama }];
@@ -243,6 +243,16 @@ impl Fake {
 impl SkySource for Fake {
     fn facts(&self) -> &SourceFacts {
         &self.facts
+    }
+
+    /// It knows no natural sky.
+    fn sky_at_times(
+        &self,
+        _: &SkyRequest,
+        _: &RenderedSky,
+        _: &[SkyTime],
+    ) -> Result<Vec<SkyAtTime>, AppError> {
+        Ok(Vec::new())
     }
 
     fn is_ready(&self) -> bool {

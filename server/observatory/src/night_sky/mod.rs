@@ -2,10 +2,12 @@
 //! that the same air scatters as artificial light is scattered in (`docs/model.md#night-sky`).
 
 mod bodies;
+mod dark;
 mod limits;
 mod skipping;
 
 pub use bodies::{SeenDisc, SeenPoint};
+pub use dark::{dark_outside, dark_sky};
 pub use limits::{DirectionLimit, SeenStars};
 pub use skipping::{DAY_BOUND, MOON_LOWEST_DEG};
 
@@ -15,9 +17,10 @@ use serde::Serialize;
 use skipping::Skipping;
 use skyglow_celestial::{Component, Heavens, Instant, IrradianceGrid, PointLight, Site};
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, Response, SeenSky,
-    SkyPart, Turbidity,
+    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Horizon, NaturalSky, NodeLight,
+    Panorama, Response, SeenSky, SkyPart, Turbidity,
     beam::apparent_altitude_rad,
+    natural_sky::meter_mean_of_points,
     panorama::{azimuth_rad, elevation_rad},
 };
 use skyglow_render::celestial::{BeamGrid, CelestialTables};
@@ -71,6 +74,8 @@ pub struct NightSky {
     seen: SeenSky,
     /// Points that stand above the horizon, by the place of their component; none of stars that do not count.
     points: [Vec<ThroughAir>; Component::ALL.len()],
+    /// Means of the points' light over the field of a Sky Quality Meter at the zenith.
+    in_meter: Vec<NodeLight>,
     /// Share that comes through the air at every row of the panorama.
     transmittance: [[f64; BAND_COUNT]; ELEVATION_COUNT],
 }
@@ -120,7 +125,16 @@ impl NightSky {
         let (components, parts): (Vec<_>, Vec<_>) = sun.into_iter().chain(others).unzip();
         let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
-        Ok(Self { heavens, components, parts, seen, points, transmittance })
+        let in_meter = Component::BODIES.map(|component| {
+            let beams = points[component.index()].iter();
+            let beams = beams.map(|point| (FRAC_PI_2 - point.direction.elevation_rad, point.irradiance));
+            NodeLight {
+                light: Arc::clone(component.light()),
+                kernel: meter_mean_of_points(beams, over.horizon),
+            }
+        });
+        let in_meter = in_meter.to_vec();
+        Ok(Self { heavens, components, parts, seen, points, in_meter, transmittance })
     }
 
     /// What shines outside the air.
@@ -141,6 +155,11 @@ impl NightSky {
     /// Bytes of its points.
     pub(crate) fn points_byte_count(&self) -> usize {
         self.points.iter().map(|points| size_of_val(points.as_slice())).sum()
+    }
+
+    /// For quantities.
+    pub(crate) fn as_natural_sky(&self) -> NaturalSky<'_> {
+        NaturalSky::OfInstant { parts: &self.parts, seen: &self.seen, points: &self.in_meter }
     }
 
     /// What the responses that it was made for see of all of them.

@@ -120,3 +120,52 @@ fn stars_are_seen_by_the_limit_where_they_are() {
     let [contrast, by_moonlight] = [dark, moonlit].map(|stars| stars.milky_way.unwrap().contrast);
     assert!((0.05..3.0).contains(&contrast) && contrast > by_moonlight, "{contrast} {by_moonlight}");
 }
+
+/// Every minute of a night at the pole, on the equator, in polar day and under a Sun in the zenith: nothing is negative, and the
+/// logarithm of no direction's luminance bends by more than a tenth from minute to minute; in twilight it changes by a third.
+#[test]
+#[ignore = "slow: `make check` leaves it to `make test`"]
+fn no_minute_of_a_day_jumps() {
+    let packs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+    let tables = CelestialTables::open(&packs).unwrap().unwrap();
+    let open = Horizon::flat();
+    for (place, from_utc, minutes) in [
+        ((90.0, 0.0), "2026-10-03T12:00:00Z", 360),
+        ((0.0, 10.0), "2026-08-12T16:00:00Z", 840),
+        ((75.0, 20.0), "2026-06-21T18:00:00Z", 360),
+        // The Sun stands 0.1° from the zenith on this noon.
+        ((23.4, 0.0), "2026-06-21T11:00:00Z", 120),
+    ] {
+        let over = Overhead {
+            place: GeoPoint::from_deg(place.0, place.1).unwrap(),
+            altitude_m: 0.0,
+            horizon: &open,
+            turbidity: Turbidity::new(2.5).unwrap(),
+        };
+        let from = Instant::parse(from_utc).unwrap();
+        let logs: Vec<Vec<f64>> = (0..minutes)
+            .into_par_iter()
+            .map(|minute| {
+                let time = SkyTime { instant: from.plus_s(60.0 * f64::from(minute)), solar_flux_sfu: 100.0 };
+                let sky = NightSky::new(&tables, &over, time, &SKY_RESPONSES).unwrap();
+                let planes: Vec<&[f32]> =
+                    (0..SKY_RESPONSES.len()).map(|place| sky.seen().plane(place)).collect();
+                assert!(
+                    planes.iter().all(|plane| plane.iter().all(|value| *value >= 0.0 && value.is_finite()))
+                );
+                let rows = [0, 10, 31, 63].into_iter();
+                let at = rows.flat_map(|row| [0, 70, 140, 210].map(|column| row * AZIMUTH_COUNT + column));
+                at.map(|at| f64::from(planes[1][at]).ln()).collect()
+            })
+            .collect();
+        let mut worst = (0.0, 0);
+        for minute in 1..logs.len() - 1 {
+            for at in 0..logs[0].len() {
+                let bend = (logs[minute + 1][at] - 2.0 * logs[minute][at] + logs[minute - 1][at]).abs();
+                worst = if bend > worst.0 { (bend, minute) } else { worst };
+            }
+        }
+        println!("{place:?}: {:.4} in minute {}", worst.0, worst.1);
+        assert!(worst.0 < 0.1, "{place:?}: {:.3} in minute {}", worst.0, worst.1);
+    }
+}

@@ -15,7 +15,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-/// Bytes of skies at the zenith angles of tables that are kept at most: those of four altitudes in three tables take as much.
+/// Skies at the zenith angles of tables are made every so many metres of the observer's altitude and blended in between, so that the
+/// next place nearby finds them made.
+pub const ALTITUDE_STEP_M: f64 = 250.0;
+/// Bytes of them that are kept at most: those of four altitudes in three tables take as much.
 pub const MAX_KEPT_BYTES: usize = 96 << 20;
 /// Turbidities nearer than this to a table's are that table's own.
 const SAME_TURBIDITY: f64 = 1e-9;
@@ -104,13 +107,41 @@ impl CelestialTables {
         blended(&self.around(turbidity), beam)
     }
 
-    /// Scattered light of all beams of a grid on [`Self::zenith_angles_rad`], in the grid's unit per sr; dark where it is on others.
+    /// Scattered light of all beams of a grid on [`Self::zenith_angles_rad`], in the grid's unit per sr; dark where it is on others. In
+    /// the logarithm between altitudes that are [`ALTITUDE_STEP_M`] apart.
     pub fn grid_sky(&self, turbidity: Turbidity, grid: &BeamGrid, observer_altitude_m: f64) -> Panorama {
-        let sky = |table: usize| {
-            let skies = self.node_skies(table, observer_altitude_m);
-            skies.sky(grid, &self.twiddles).unwrap_or_else(Panorama::dark)
+        let (lowest_m, highest_m) = self.tables[0].altitude_range_m();
+        let altitude_m = observer_altitude_m.clamp(lowest_m, highest_m);
+        let low_m = (altitude_m / ALTITUDE_STEP_M).floor() * ALTITUDE_STEP_M;
+        let around_m = [low_m, low_m + ALTITUDE_STEP_M];
+        let altitude = Stencil::lagrange_or_node(&around_m, altitude_m, 1e-6);
+        blended(&self.around(turbidity), |table| {
+            blended(&altitude, |place| {
+                let skies = self.node_skies(table, around_m[place]);
+                skies.sky(grid, &self.twiddles).unwrap_or_else(Panorama::dark)
+            })
+        })
+    }
+
+    /// What light scatters to the zenith that is the same at all azimuths: `rings` is its irradiance at each of
+    /// [`Self::zenith_angles_rad`], of all azimuths together, in any unit.
+    pub fn zenith_of_rings(
+        &self,
+        turbidity: Turbidity,
+        rings: &[[f64; BAND_COUNT]],
+        observer_altitude_m: f64,
+    ) -> [f64; BAND_COUNT] {
+        let stencil = self.around(turbidity);
+        let of_table = |table: usize| {
+            let mut sum = [0.0; BAND_COUNT];
+            for (node, ring) in rings.iter().enumerate().take(self.zenith_angles_rad().len()) {
+                let sky = self.tables[table].node_zenith(node, observer_altitude_m);
+                sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
+            }
+            sum.map(|value: f64| value.max(f64::MIN_POSITIVE).ln())
         };
-        blended(&self.around(turbidity), sky)
+        let logs: Vec<[f64; BAND_COUNT]> = stencil.nodes().map(of_table).collect();
+        from_fn(|band| stencil.sum(|table| logs[table - stencil.nodes().start][band]).exp())
     }
 
     /// Share of a beam that reaches the observer directly, by band; 0 below the horizon.
@@ -230,15 +261,66 @@ mod tests {
         let tables = tables(&[2.5]);
         let turbidity = Turbidity::new(2.5).unwrap();
         let grid = single_beam(&tables, 5, 9);
-        let first = tables.grid_sky(turbidity, &grid, 100.0);
+        let first = tables.grid_sky(turbidity, &grid, 0.0);
         let one = tables.kept_bytes();
-        assert_eq!(tables.grid_sky(turbidity, &grid, 100.0), first);
+        assert_eq!(tables.grid_sky(turbidity, &grid, 0.0), first);
         assert_eq!(tables.kept_bytes(), one);
         for altitude in 0..MAX_KEPT_BYTES / one + 2 {
-            tables.grid_sky(turbidity, &grid, 200.0 + altitude as f64);
+            tables.grid_sky(turbidity, &grid, ALTITUDE_STEP_M * altitude as f64);
         }
         assert!(tables.kept_bytes() <= MAX_KEPT_BYTES && tables.kept_bytes() + one > MAX_KEPT_BYTES);
-        assert_eq!(tables.grid_sky(turbidity, &grid, 100.0), first);
+        assert_eq!(tables.grid_sky(turbidity, &grid, 0.0), first);
+    }
+
+    /// Between the altitudes that are kept skies are those made for the altitude itself, within 0.3 % in thin air and in haze, whose
+    /// scale height is the shortest.
+    #[test]
+    fn skies_between_altitudes_are_their_own() {
+        let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+        let tables = CelestialTables::open(&packs).unwrap().unwrap();
+        let nodes = tables.zenith_angles_rad().len();
+        // The whole sky above, and one beam from below the horizon.
+        let even = (0..BAND_COUNT * nodes * AZIMUTH_COUNT)
+            .map(|at| if at / AZIMUTH_COUNT % nodes < nodes / 2 { 1.0 } else { 0.0 });
+        let even = BeamGrid::new(nodes, even.collect()).unwrap();
+        let dusk = single_beam(&tables, nodes - 12, 30);
+        let mut worst = 0f32;
+        for (table, turbidity) in tables.turbidities.iter().enumerate().filter(|(at, _)| [0, 5].contains(at))
+        {
+            for altitude_m in [125.0, 1_380.0, 3_870.0] {
+                let sky = |node: usize| tables.tables[table].node_sky(node, altitude_m);
+                let exact = NodeSkies::of(nodes, sky, &tables.twiddles);
+                for grid in [&even, &dusk] {
+                    let exact = exact.sky(grid, &tables.twiddles).unwrap();
+                    let found = tables.grid_sky(Turbidity::new(*turbidity).unwrap(), grid, altitude_m);
+                    worst = worst.max(largest_difference(&found, &exact, 1.0));
+                }
+            }
+        }
+        assert!(worst < 3e-3 && worst > 1e-6, "{worst}");
+    }
+
+    /// What rings scatter to the zenith is what their grid scatters there, between turbidities too.
+    #[test]
+    fn rings_scatter_as_their_grid_does() {
+        let tables = tables(&[2.0, 3.0, 4.0]);
+        let nodes = tables.zenith_angles_rad().len();
+        let ring = |node: usize| 1.0 + 0.1 * node as f64;
+        let rings: Vec<[f64; BAND_COUNT]> = (0..nodes).map(|node| [ring(node); BAND_COUNT]).collect();
+        let cells = (0..BAND_COUNT * nodes * AZIMUTH_COUNT)
+            .map(|at| (ring(at / AZIMUTH_COUNT % nodes) / AZIMUTH_COUNT as f64) as f32);
+        let grid = BeamGrid::new(nodes, cells.collect()).unwrap();
+        for turbidity in [2.0, 2.6] {
+            let turbidity = Turbidity::new(turbidity).unwrap();
+            let zenith = tables.zenith_of_rings(turbidity, &rings, 700.0);
+            let sky = tables.grid_sky(turbidity, &grid, 700.0);
+            for (band, value) in zenith.into_iter().enumerate() {
+                // The highest row is 0.7° from the zenith.
+                let row =
+                    f64::from(sky.samples()[Panorama::index(band, skyglow_physics::ELEVATION_COUNT - 1, 0)]);
+                assert!((value / row - 1.0).abs() < 0.02, "{band}: {value} {row}");
+            }
+        }
     }
 
     /// Less comes through thicker air and nothing from below the horizon.

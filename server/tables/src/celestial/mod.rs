@@ -139,6 +139,12 @@ impl CelestialTable {
         &self.zenith_angle_rad
     }
 
+    /// Lowest and highest observer of the table, m.
+    pub fn altitude_range_m(&self) -> (f64, f64) {
+        let altitudes = &self.manifest.axes.observer_altitude_m;
+        (altitudes[0], altitudes[altitudes.len() - 1])
+    }
+
     /// Radiance per unit irradiance outside the air, sr⁻¹, of a beam from a zenith angle of [`Self::zenith_angle_rad`] and
     /// azimuth 0 (north): scattered light of all orders, without the direct beam. An observer's altitude beyond those of
     /// the table counts as the nearest; a node beyond the last as the last.
@@ -156,6 +162,22 @@ impl CelestialTable {
         }
         let zenith = Stencil::lagrange_or_node(&self.zenith_angle_rad, zenith_angle_rad, 1e-12);
         self.sky(zenith, zenith_angle_rad, azimuth_rad, observer_altitude_m)
+    }
+
+    /// Radiance at the zenith of [`Self::node_sky`], sr⁻¹ by band, whatever the beam's azimuth.
+    pub fn node_zenith(&self, node: usize, observer_altitude_m: f64) -> [f64; BAND_COUNT] {
+        let axes = &self.manifest.axes;
+        let (altitude_m, altitude) = self.altitude(observer_altitude_m);
+        let elevation = Stencil::lagrange(&self.elevation_node_rad, FRAC_PI_2);
+        let phase = self.air.mixed_phase_per_sr(altitude_m, self.zenith_angle_rad[node].cos());
+        std::array::from_fn(|band| {
+            let steps = altitude.sum(|altitude| {
+                let image = (altitude * self.zenith_angle_rad.len() + node) * BAND_COUNT + band;
+                let first = image * axes.direction_count();
+                elevation.sum(|row| f64::from(self.scattered[first + row * axes.azimuth_count]))
+            });
+            phase[band] * (LOG_STEP * steps).exp()
+        })
     }
 
     /// Share of a beam from a true zenith angle that reaches an observer unscattered and unabsorbed, per band; 0 below the
@@ -192,10 +214,7 @@ impl CelestialTable {
         observer_altitude_m: f64,
     ) -> Panorama {
         let axes = &self.manifest.axes;
-        let altitudes = &axes.observer_altitude_m;
-        let last_m = altitudes[altitudes.len() - 1];
-        let altitude_m = observer_altitude_m.clamp(altitudes[0], last_m);
-        let altitude = Stencil::lagrange_or_node(altitudes, altitude_m, 1e-6);
+        let (altitude_m, altitude) = self.altitude(observer_altitude_m);
         let steps = self.steps_at(&altitude, &zenith);
         let stencils: Vec<[(usize, f32); MAX_STENCIL]> = (0..AZIMUTH_COUNT)
             .map(|column| azimuth_stencil(azimuth_rad(column) - source_azimuth_rad, axes.azimuth_count))
@@ -231,6 +250,13 @@ impl CelestialTable {
             }
         }
         panorama
+    }
+
+    /// An observer's altitude within those of the table, and the ones around it.
+    fn altitude(&self, observer_altitude_m: f64) -> (f64, Stencil) {
+        let altitudes = &self.manifest.axes.observer_altitude_m;
+        let altitude_m = observer_altitude_m.clamp(altitudes[0], altitudes[altitudes.len() - 1]);
+        (altitude_m, Stencil::lagrange_or_node(altitudes, altitude_m, 1e-6))
     }
 
     /// Steps between altitudes and zenith angles, `[band][elevation][azimuth]`.

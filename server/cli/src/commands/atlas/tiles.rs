@@ -5,8 +5,9 @@ use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileId, TileType};
 use skyglow_display::{
     Notes, notes,
-    tile::{brightness_range, brightness_tile_png, elevation_tile_png, radiance_tile_png},
+    tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
 };
+use skyglow_observatory::brightness_range;
 use skyglow_scene::{PlaceValues, Scene, tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 use std::{fs::File, path::Path};
 

@@ -118,3 +118,40 @@ async fn nights_are_dark_around_new_moon() {
     let (status, problem) = server.json("/api/v1/night?lat=46.17&lon=8.79&date=today").await;
     assert_eq!((status, &problem["errors"][0]["parameter"]), (400, &"date".into()));
 }
+
+/// Hours of a night have the numbers that the sky has at that time; the best one is in the dark, and the Moon brightens its own.
+#[tokio::test]
+async fn hours_of_a_night_are_skies_of_its_times() {
+    let server = EndToEnd::shared().await;
+    let town = server.town().await;
+    let path = |date: &str| format!("/api/v1/scenes/demo/night?{}&date={date}", town.query);
+    let (status, night) = server.json(&path("2026-08-12")).await;
+    assert_eq!(
+        (status, &night["night"]["date"], &night["clouds"]),
+        (200, &"2026-08-12".into(), &"none".into())
+    );
+    let hours = night["hours"].as_array().unwrap();
+    assert!((24..=25).contains(&hours.len()));
+    let hour = hours.iter().find(|hour| hour["time"] == NEW_MOON).unwrap();
+    let sky = server.sky(&format!("{}&time={NEW_MOON}", town.query)).await;
+    for name in ["zenith_total_luminance_cd_m2", "sqm_total_brightness_mag_arcsec2", "naked_eye_limit_mag"] {
+        assert_eq!(hour[name], sky["sky"][name], "{name}");
+    }
+    assert_eq!(hour["sun_altitude_deg"], sky["night_sky"]["sun"]["true_altitude_deg"]);
+    let luminance = |hour: &Value| number(&hour["zenith_total_luminance_cd_m2"]);
+    let best = hours.iter().find(|hour| hour["time"] == night["best_hour"]).unwrap();
+    assert!(best["daylight"] == "night" && hours.iter().all(|hour| luminance(hour) >= luminance(best)));
+    assert!(number(&hour["horizon_total_luminance_cd_m2"]) > luminance(hour));
+    let (_, moonlit) = server.json(&path("2026-08-27")).await;
+    let best_by_moon =
+        &moonlit["hours"].as_array().unwrap().iter().map(luminance).fold(f64::INFINITY, f64::min);
+    assert!(*best_by_moon > luminance(best));
+    for (query, parameter) in [
+        ("date=today", "date"),
+        ("date=2026-08-12&clouds=1500", "clouds"),
+        ("date=2026-08-12&solar_flux=5", "solar_flux"),
+    ] {
+        let (got, problem) = server.json(&format!("/api/v1/scenes/demo/night?{}&{query}", town.query)).await;
+        assert_eq!((got, &problem["errors"][0]["parameter"]), (400, &parameter.into()), "{query}");
+    }
+}

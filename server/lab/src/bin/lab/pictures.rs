@@ -2,8 +2,8 @@
 
 use crate::arguments::Outcome;
 use skyglow_display::{
-    Colormap, Notes, PictureOptions, Projection, Sky, Style, encode_exr, encode_png, encode_tiff,
-    encode_webp, picture, raster,
+    Colormap, Notes, PictureOptions, Projection, Style, encode_exr, encode_png, encode_tiff, encode_webp,
+    picture, raster,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, Horizon, LampPreset, Panorama, Response,
@@ -77,7 +77,7 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         let size = projection.default_raster_size_px();
         // Pixels are found as they are encoded.
         let flat = Horizon::flat();
-        let floats = raster(&bands, &flat, projection, size, Sky::Artificial)?;
+        let floats = raster(&bands, &flat, projection, size)?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
             timed(&format!("{name} EXR"), || encode_exr(&floats, &Notes::default()))?,
@@ -91,7 +91,6 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         let style = Style::FalseColour { colormap, range: Default::default() };
         let options = PictureOptions {
             style,
-            sky: Sky::Total,
             width_px: 640,
             height_px: 160,
             ..PictureOptions::new(Projection::Equirectangular)
