@@ -11,7 +11,10 @@ use crate::{
     starlight, stars, zodiacal_light,
 };
 use skyglow_physics::{Response, spectrum::NODE_COUNT};
-use std::{f64::consts::TAU, sync::LazyLock};
+use std::{
+    f64::consts::{FRAC_PI_2, PI, TAU},
+    sync::LazyLock,
+};
 
 /// Parts of the dark reference: the Sun, the Moon and planets are none.
 pub const COMPONENTS: [Component; 4] =
@@ -91,7 +94,10 @@ pub fn irradiance_of_rings(
 ) -> Vec<[f64; NODE_COUNT]> {
     (0..zenith_angles_rad.len())
         .map(|row| {
-            let (begin, end) = cell_rad(zenith_angles_rad, row);
+            let (begin, cell_end) = cell_rad(zenith_angles_rad, row);
+            // Airglow ends at the horizon, where it is brightest.
+            let last = if component == Component::Airglow { FRAC_PI_2.max(begin) } else { PI };
+            let end = cell_end.min(last);
             let count = ((end - begin) / AIRGLOW_STEP_RAD).ceil().max(1.0);
             let step = (end - begin) / count;
             let mut ring = [0.0; NODE_COUNT];
