@@ -121,6 +121,7 @@ mod tests {
                 "panorama",
                 "sky",
                 "night",
+                "nights",
                 "influence",
                 "plan",
                 "scenario",

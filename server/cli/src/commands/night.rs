@@ -28,7 +28,7 @@ use skyglow_scene::SceneId;
 )]
 pub(crate) struct Night {
     /// The scene's id, for the sky hour by hour
-    #[arg(long, value_name = "ID", value_parser = SceneId::parse)]
+    #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
     scene: Option<SceneId>,
     #[command(flatten)]
     query: QueryFlags<SceneNightParameters>,
