@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertNoFaults, getJson, openPage, SERVER, setSlider, shot, skyShown } from "./support/browser.mjs";
-import { NATURAL_SKY_CD_M2, skyPath } from "./support/sky.mjs";
+import { skyPath } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
 /** Colours of the shown panorama and of the server's picture in the same directions. */
@@ -82,7 +82,7 @@ test("every unit shows in numbers and legend", async () => {
   const opened = await openPage(browser, fragment(here.beside, "&sky=artificial&colours=inferno"));
   const { page, context } = opened;
   await skyShown(page);
-  const { sky } = await getJson(skyPath(here.scene, "sky", here.beside));
+  const { sky, dark_reference: dark } = await getJson(skyPath(here.scene, "sky", here.beside));
   const box = await page.locator(".sky-overlay").boundingBox();
   await page.locator(".sky-overlay").hover({ position: { x: box.width / 2, y: box.height / 2 } });
   const big = () => page.locator(".zenith .zenith-value").textContent();
@@ -90,12 +90,12 @@ test("every unit shows in numbers and legend", async () => {
   assert.equal(await big(), `${sky.zenith_total_brightness_mag_arcsec2.toFixed(2)}mag/arcsec²`);
   await page.selectOption("#unit", "ratio");
   assert.equal((await marks())[3].trim(), "1");
-  const times = sky.zenith_total_luminance_cd_m2 / NATURAL_SKY_CD_M2;
+  const times = sky.zenith_total_luminance_cd_m2 / dark.luminance_cd_m2;
   assert.ok(Math.abs(Number.parseFloat(await big()) / times - 1) < 0.05, await big());
   const luminance = Number(await page.locator("#sky-readout").getAttribute("data-seen"));
   const read = await page.locator("#sky-readout b").allTextContents();
   assert.ok(
-    read.some((text) => Math.abs(Number.parseFloat(text) / (luminance / NATURAL_SKY_CD_M2) - 1) < 0.05 && text.endsWith("×")),
+    read.some((text) => Math.abs(Number.parseFloat(text) / (luminance / dark.luminance_cd_m2) - 1) < 0.05 && text.endsWith("×")),
     `${read}`,
   );
   await shot(page, "ratio");

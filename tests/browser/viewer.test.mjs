@@ -12,7 +12,7 @@ import {
   shot,
   skyShown,
 } from "./support/browser.mjs";
-import { COMPACT_ERROR, NATURAL_SKY_CD_M2, sample, skyPath } from "./support/sky.mjs";
+import { COMPACT_ERROR, sample, skyPath } from "./support/sky.mjs";
 import { browser, fragment, here } from "./support/stage.mjs";
 
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
@@ -237,7 +237,7 @@ test("the natural sky can be added", async () => {
   const shown = await page
     .locator("#sky-readout")
     .evaluate(({ dataset }) => [dataset.azimuthDeg, dataset.elevationDeg, dataset.seen].map(Number));
-  const expected = sample(panorama, shown[0], shown[1]).luminance_cd_m2 + NATURAL_SKY_CD_M2;
+  const expected = sample(panorama, shown[0], shown[1]).luminance_cd_m2 + panorama.dark_reference.value;
   assert.ok(Math.abs(shown[2] / expected - 1) < COMPACT_ERROR);
   assert.deepEqual(
     asked.slice(before).filter((path) => /panorama|sky\?/.test(path)),

@@ -1,7 +1,5 @@
 // From radiance to what people see. The server's `physics` crate is the authority; these are its formulas.
 
-/** K_b: lumens per watt of the bands R, G, B (680, 550, 440 nm). */
-export const LUMINOUS_EFFICACY_LM_W = [150, 567, 45] as const;
 /** Luminance of 0 mag arcsec⁻², cd m⁻². */
 export const ZERO_POINT_CD_M2 = 1.08e5;
 /** −2.5·log10(luminance / 1.08e5), mag arcsec⁻²; null for a sky without light. */

@@ -10,7 +10,9 @@ use crate::{
     upload_reader::{UploadOutcome, UploadReader, UploadTask},
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, SkyAtTime, SkyRequest, SkyTime, Watch, MAX_PLACES,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    MAX_PLACES, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord,
+    SceneView, SkyAtTime, SkyRequest, SkyTime, Watch,
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{

@@ -8,7 +8,9 @@ use crate::{
     request::ListRequest,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime, SkyRequest, SkyTime, Watch,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime,
+    SkyRequest, SkyTime, Watch,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;

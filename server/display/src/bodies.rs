@@ -26,7 +26,7 @@ impl SkyBodies {
     /// The points that the naked eye sees before a sky, which holds all light there is.
     pub fn seen_points(&self, sky: &SeenSky, horizon: &Horizon) -> Vec<PointLight> {
         let Some(luminance_cd_m2) = sky.seen_by(&Response::Photopic) else { return Vec::new() };
-        let sampler = Sampler::new([luminance_cd_m2], [0.0]);
+        let sampler = Sampler::new([luminance_cd_m2]);
         let background = |direction| sampler.values(direction).map(|[luminance]| luminance);
         self.points.iter().filter(|point| point.is_seen(horizon, background)).copied().collect()
     }

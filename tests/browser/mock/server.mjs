@@ -6,7 +6,7 @@ import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { compact } from "./compact.mjs";
 import { nightOf, nightSkyAt } from "./night.mjs";
-import { COLUMNS, LAMPS, NATURAL, quantities, RESPONSES, ROWS, radiance, TOWNS, valuesOf } from "./sky.mjs";
+import { COLUMNS, LAMPS, NATURAL, quantities, RESPONSES, ROWS, radiance, TOWNS } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../../../web/dist");

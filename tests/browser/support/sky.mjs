@@ -38,5 +38,3 @@ export function sample(panorama, azimuthDeg, elevationDeg) {
 
 /** The viewer reads the compact panorama, which keeps each value to this part of itself. */
 export const COMPACT_ERROR = 2.5e-4;
-
-export const NATURAL_SKY_CD_M2 = 1.08e5 * 10 ** (-0.4 * 22);

@@ -127,6 +127,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/places": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Finds places of the world by name, and the scene in which each lies. */
+        get: operations["list_world_places"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/plans/{plan}": {
         parameters: {
             query?: never;
@@ -403,6 +420,26 @@ export interface paths {
         };
         /** Upward radiance as a cloud-optimized GeoTIFF on the scene's own grid: one float32 band, nW cm⁻² sr⁻¹, without the calibration; by blocks where that would be more than 32 million pixels. */
         get: operations["get_radiance_tif"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenes/{scene}/night": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * A night over a place of a scene, hour by hour: how bright zenith and horizon are with all light, where Sun and Moon stand, and which
+         *     hour is the darkest.
+         */
+        get: operations["get_scene_night"];
         put?: never;
         post?: never;
         delete?: never;
@@ -721,7 +758,7 @@ export interface paths {
         /**
          * A map tile, 256 pixels a side, or 512 where `y` ends in `@2x`: `radiance` on a logarithmic scale, dark is transparent; `elevation`
          *     with hypsometric tints and shading; `brightness`, the artificial luminance at the zenith of every place, from a hundredth of the
-         *     natural sky to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
+         *     dark reference outside the air to forty times that on a logarithmic scale, less is transparent (the first tile of a map takes seconds); `influence` on a logarithmic scale down to a ten-thousandth of the 32nd most influential
          *     pixel; TileJSON says from what to what. `radiance` takes the parameter `scenario`, `brightness` that and `turbidity`, `scattering`, `lamp`, `emission` and the shares beside it, `terrain`,
          *     `influence` all parameters below, and needs the place.
          */
@@ -866,6 +903,8 @@ export interface components {
              * @description Covered share of the disc of 300 km around the place; light outside the raster is unknown, not absent.
              */
             coverage: number;
+            /** @description What stands for the natural sky where no time is asked for. */
+            dark_reference: components["schemas"]["DarkReferenceAnswer"];
             /** @description The emission. */
             emission: components["schemas"]["EmissionAnswer"];
             /** @description What rendered: `gpu`, `lavapipe` or `cpu`. */
@@ -902,7 +941,7 @@ export interface components {
             scene: components["schemas"]["SceneReference"];
             /**
              * Format: double
-             * @description Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent without a time.
+             * @description Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units; absent where no time and no night is asked for.
              */
             solar_flux_sfu?: number | null;
             /**
@@ -910,7 +949,7 @@ export interface components {
              *     terrain.
              */
             terrain_occlusion: boolean;
-            /** @description The time that the natural sky is of; absent where none was asked for, and it is 22.0 mag arcsec⁻² in every direction. */
+            /** @description The time that the natural sky is of; absent where none was asked for, and it is the dark reference. */
             time?: string | null;
             /**
              * Format: double
@@ -1119,8 +1158,7 @@ export interface components {
             lowest: number;
             /**
              * Format: double
-             * @description What the response sees of a natural sky of 22.0 mag arcsec⁻², which adds to a clear sky's artificial light where no time was
-             *     asked for.
+             * @description What the response sees of the dark reference, which adds to a clear sky's artificial light where no time was asked for.
              */
             natural: number;
             /** @description Its name. */
@@ -1170,6 +1208,41 @@ export interface components {
              *     comes through it. Discs and stars themselves are not in it.
              */
             zenith_luminance_cd_m2: number;
+        };
+        /**
+         * @description The natural sky of no time in particular, overhead: no Moon, no twilight, zodiacal light and starlight in the mean. Totals have it in
+         *     every direction where no time is asked for; Bortle's classes always count from it.
+         */
+        DarkReferenceAnswer: {
+            /**
+             * Format: double
+             * @description The same, mag arcsec⁻².
+             */
+            brightness_mag_arcsec2?: number | null;
+            /** @description Chromaticity x, y (CIE 1931) between the stars. */
+            chromaticity?: number[] | null;
+            /** @description Whether it is seen through the air of the request; false without celestial tables: then it is that outside the air. */
+            is_through_air: boolean;
+            /**
+             * Format: double
+             * @description Between the stars, cd m⁻².
+             */
+            luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description Radio flux of the Sun at 10.7 cm that its airglow goes with, solar flux units.
+             */
+            solar_flux_sfu: number;
+            /**
+             * Format: double
+             * @description What a Sky Quality Meter reads of it, the light of stars in its field included, mag arcsec⁻².
+             */
+            sqm_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description Between the stars as the response sees it, in its unit.
+             */
+            value: number;
         };
         /** @description Darker places near a place, and what they gain. */
         DarkerAnswer: components["schemas"]["Assumptions"] & {
@@ -1422,6 +1495,11 @@ export interface components {
         };
         /** @description A preset's name, or three numbers. */
         FixtureBody: string | number[];
+        /** @description A place that was found. */
+        FoundPlace: components["schemas"]["WorldPlace"] & {
+            /** @description Id of the scene in which it lies: measured light before made-up light, then the finest pixels. */
+            scene?: string | null;
+        };
         /** @description Shares of the lamps' light by Garstang's law. */
         GarstangLawBody: {
             /**
@@ -1838,6 +1916,66 @@ export interface components {
             /** @description The noon that it ends with. */
             until_utc: components["schemas"]["Instant"];
         };
+        /** @description The sky at an hour of a night: all light, artificial and natural. */
+        NightHourAnswer: {
+            /** @description Day, twilight or night. */
+            daylight: components["schemas"]["Daylight"];
+            /**
+             * Format: double
+             * @description The same, mag arcsec⁻².
+             */
+            horizon_total_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description Mean of the visible sky below 10° of elevation, cd m⁻²; null where ground hides all of it.
+             */
+            horizon_total_luminance_cd_m2?: number | null;
+            /**
+             * Format: double
+             * @description True altitude of the Moon's middle, degrees.
+             */
+            moon_altitude_deg: number;
+            /**
+             * Format: double
+             * @description Naked-eye limiting magnitude at the zenith.
+             */
+            naked_eye_limit_mag?: number | null;
+            /**
+             * Format: double
+             * @description What a Sky Quality Meter at the zenith reads, mag arcsec⁻².
+             */
+            sqm_total_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description True altitude of the Sun's middle, degrees.
+             */
+            sun_altitude_deg: number;
+            /** @description When. */
+            time: components["schemas"]["Instant"];
+            /**
+             * Format: double
+             * @description Natural luminance at the zenith, cd m⁻².
+             */
+            zenith_natural_luminance_cd_m2: number;
+            /**
+             * Format: double
+             * @description The same, mag arcsec⁻².
+             */
+            zenith_total_brightness_mag_arcsec2?: number | null;
+            /**
+             * Format: double
+             * @description Mean within 5° of the zenith, cd m⁻².
+             */
+            zenith_total_luminance_cd_m2: number;
+        };
+        /** @description A night over a place of a scene, hour by hour. */
+        NightHoursAnswer: components["schemas"]["Assumptions"] & {
+            best_hour?: components["schemas"]["Instant"] | null;
+            /** @description The hours of UTC from noon to noon. */
+            hours: components["schemas"]["NightHourAnswer"][];
+            /** @description When it is dark, as without a scene. */
+            night: components["schemas"]["Night"];
+        };
         /** @description What the natural sky of a time is made of, and what is seen of the stars. */
         NightSkyAnswer: components["schemas"]["BodiesAnswer"] & {
             /** @description Components that count: by day the Sun alone, and no Moon while it is more than 12° down. */
@@ -2246,14 +2384,14 @@ export interface components {
         };
         /**
          * @description The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
-         *     natural sky: that of the `time` asked for, or without one a uniform sky of 22.0 mag arcsec⁻². Magnitudes are null for a sky without light. Where terrain hides part of
+         *     natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
          *     the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
          *     alone, and what speaks of stars is null.
          */
         QuantitiesAnswer: {
             /**
              * Format: int32
-             * @description Bortle class of the total at the zenith, 1..=9; null under clouds.
+             * @description Bortle class, 1..=9, by how much brighter than the dark reference the total is at the zenith; null under clouds.
              */
             bortle_class?: number | null;
             /**
@@ -2293,7 +2431,7 @@ export interface components {
             naked_eye_limit_mag?: number | null;
             /**
              * Format: double
-             * @description Artificial luminance at the zenith over the natural one; under clouds over 22.0 mag arcsec⁻².
+             * @description Artificial luminance at the zenith over the natural one; under clouds over the dark reference.
              */
             ratio_to_natural: number;
             seen?: components["schemas"]["ResponseQuantities"] | null;
@@ -2305,7 +2443,7 @@ export interface components {
             sqm_luminance_cd_m2: number;
             /**
              * Format: double
-             * @description What such a meter reads with the natural sky, mag arcsec⁻².
+             * @description What such a meter reads with the natural sky and the stars in its field, mag arcsec⁻².
              */
             sqm_total_brightness_mag_arcsec2?: number | null;
             /**
@@ -2530,6 +2668,8 @@ export interface components {
              * @description Number of named places.
              */
             places_count: number;
+            /** @description Whom to credit for the places, where the scene brought none of its own. */
+            places_source?: string | null;
             /**
              * @description What the ingest saw: counts of lit, zero, negative, NaN, infinite, no-data and capped pixels with examples,
              *     the range, terrain under the lights, warnings.
@@ -2852,6 +2992,11 @@ export interface components {
             name: string;
             /**
              * Format: double
+             * @description Of `brightness`, what the response sees of the dark reference outside the air, which its colours go by; absent for other layers.
+             */
+            natural?: number | null;
+            /**
+             * Format: double
              * @description The part that is found, 0 to 1, where tiles are not ready.
              */
             progress?: number | null;
@@ -2911,6 +3056,28 @@ export interface components {
              */
             visible: number;
         };
+        /** @description A place of the world. */
+        WorldPlace: {
+            /** @description Its country as ISO 3166 has it, two letters. */
+            country: string;
+            /**
+             * Format: double
+             * @description Degrees north.
+             */
+            latitude_deg: number;
+            /**
+             * Format: double
+             * @description Degrees east, −180..180.
+             */
+            longitude_deg: number;
+            /** @description Its name in Latin letters. */
+            name: string;
+            /**
+             * Format: int64
+             * @description Inhabitants, where known.
+             */
+            population?: number | null;
+        };
         /** @description What a response sees at the zenith. */
         ZenithValue: {
             /**
@@ -2961,6 +3128,7 @@ export type CompactPlane = components['schemas']['CompactPlane'];
 export type CompactPoints = components['schemas']['CompactPoints'];
 export type Component = components['schemas']['Component'];
 export type ComponentAnswer = components['schemas']['ComponentAnswer'];
+export type DarkReferenceAnswer = components['schemas']['DarkReferenceAnswer'];
 export type DarkerAnswer = components['schemas']['DarkerAnswer'];
 export type DarkerPlaceAnswer = components['schemas']['DarkerPlaceAnswer'];
 export type Daylight = components['schemas']['Daylight'];
@@ -2972,6 +3140,7 @@ export type EmissionAnswer = components['schemas']['EmissionAnswer'];
 export type EmissionBody = components['schemas']['EmissionBody'];
 export type FieldError = components['schemas']['FieldError'];
 export type FixtureBody = components['schemas']['FixtureBody'];
+export type FoundPlace = components['schemas']['FoundPlace'];
 export type GarstangLawBody = components['schemas']['GarstangLawBody'];
 export type GridAnswer = components['schemas']['GridAnswer'];
 export type HealthAnswer = components['schemas']['HealthAnswer'];
@@ -2995,6 +3164,8 @@ export type MoonEvents = components['schemas']['MoonEvents'];
 export type MoonPhase = components['schemas']['MoonPhase'];
 export type NearestPlace = components['schemas']['NearestPlace'];
 export type Night = components['schemas']['Night'];
+export type NightHourAnswer = components['schemas']['NightHourAnswer'];
+export type NightHoursAnswer = components['schemas']['NightHoursAnswer'];
 export type NightSkyAnswer = components['schemas']['NightSkyAnswer'];
 export type ObserverAnswer = components['schemas']['ObserverAnswer'];
 export type PanoramaAnswer = components['schemas']['PanoramaAnswer'];
@@ -3040,6 +3211,7 @@ export type Transit = components['schemas']['Transit'];
 export type Twilight = components['schemas']['Twilight'];
 export type TwilightKind = components['schemas']['TwilightKind'];
 export type VisibleStars = components['schemas']['VisibleStars'];
+export type WorldPlace = components['schemas']['WorldPlace'];
 export type ZenithValue = components['schemas']['ZenithValue'];
 export type $defs = Record<string, never>;
 export interface operations {
@@ -3448,6 +3620,63 @@ export interface operations {
                 };
                 content: {
                     "application/json": Record<string, unknown>;
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_world_places: {
+        parameters: {
+            query: {
+                /** @description A name of a place, or how one begins, in any script. Allowed: 1 to 100 characters, such as Nairobi. */
+                name: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The places, 10 at most: whole names first, then the most populous */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundPlace"][];
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description A token or key that nobody has */
@@ -6325,6 +6554,134 @@ export interface operations {
             };
         };
     };
+    get_scene_night: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2100-12-30, such as 2026-08-20. */
+                date: string;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The night */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NightHoursAnswer"];
+                };
+            };
+            /** @description The client has this answer already; nothing was rendered */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_panorama: {
         parameters: {
             query: {
@@ -6360,9 +6717,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -6557,9 +6914,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -6707,9 +7064,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -6845,9 +7202,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -7009,7 +7366,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -7143,9 +7500,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -7311,9 +7668,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -8631,7 +8988,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -8769,9 +9126,9 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else of 22.0 mag arcsec⁻². The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of 22.0 mag arcsec⁻²: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;

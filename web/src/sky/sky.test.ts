@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { luminanceFromBrightnessCdM2, NATURAL_SKY_CD_M2 } from "../photometry.ts";
+import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
 import { COLOUR_MAPS, colourTable } from "./colour-maps.ts";
 import type { CompactPanorama, FourValues } from "./compact.ts";
 import { SkyGrid } from "./grid.ts";
@@ -8,7 +8,7 @@ import { paintSky } from "./paint.ts";
 import { compassName, equirectangular, fisheye, perspective } from "./projection.ts";
 import { cameraGrey, filmed, referenceCdM2, seenByCamera } from "./realistic.ts";
 import { scalePosition } from "./scale.ts";
-import { seenFrom } from "./seen.ts";
+import { PHOTOPIC, seenFrom } from "./seen.ts";
 import { DARK_GROUND_RGB, GROUND_RGB, type PictureLook, shadingOf } from "./shading.ts";
 import { encodeSrgb } from "./srgb.ts";
 import { ticks, UNITS, unitBeside, unitFor } from "./units.ts";
@@ -19,6 +19,8 @@ const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposureEv: 0
 
 const DARK = 567e-9;
 const BRIGHT = 567e-5;
+/** A natural sky, cd m⁻². */
+const NATURAL_CD_M2 = 1.8e-4;
 const EYE_PARTS = { cie_x: 1.1, photopic: 1, cie_z: 0.4, scotopic: 1.3 };
 
 /** A sky of one luminance but for one bright sample. */
@@ -41,7 +43,7 @@ function skyWithLightAt(row: number, column: number): CompactPanorama {
       response,
       unit: "cd m-2",
       light: "artificial",
-      natural: part * NATURAL_SKY_CD_M2,
+      natural: part * NATURAL_CD_M2,
       values: values.map((value) => part * value),
     })),
     points: [],
@@ -57,7 +59,7 @@ test("the nearest sample is the API's own value", () => {
     assert.equal(sample.azimuthDeg, 0);
     assert.equal(sample.elevationDeg, STEP_DEG / 2);
     assert.equal(sample.artificial, Math.fround(BRIGHT));
-    assert.equal(sample.total, Math.fround(BRIGHT) + NATURAL_SKY_CD_M2);
+    assert.equal(sample.total, Math.fround(BRIGHT) + NATURAL_CD_M2);
   }
   assert.ok(grid.nearest(1.5, 0).artificial < 1e-6);
 });
@@ -275,7 +277,7 @@ test("the scale's ticks are round in every unit", () => {
       `${unit} ${positions}`,
     );
   }
-  assert.ok(ticks("ratio").some(({ value }) => Math.abs(value / NATURAL_SKY_CD_M2 - 1) < 1e-9));
+  assert.ok(ticks("ratio").some(({ value }) => Math.abs(value / (PHOTOPIC.natural ?? 0) - 1) < 1e-9));
 });
 
 /** A response has its own natural sky, and its units are those that it has. */
@@ -302,5 +304,5 @@ test("a response has its own natural sky and units", () => {
   );
   assert.ok(ticks("luminance", satellite).length > 8);
   const grid = new SkyGrid({ ...skyWithLightAt(0, 0), response: { name: "scotopic", unit: "cd m-2" } });
-  assert.ok(Math.abs(grid.nearest(0, 0).total / (EYE_PARTS.scotopic * (BRIGHT + NATURAL_SKY_CD_M2)) - 1) < 1e-6);
+  assert.ok(Math.abs(grid.nearest(0, 0).total / (EYE_PARTS.scotopic * (BRIGHT + NATURAL_CD_M2)) - 1) < 1e-6);
 });

@@ -54,8 +54,11 @@ fn scene_at<'a>(scenes: &'a [SceneMetadata], place: &WorldPlace) -> Option<&'a S
     let holds = |scene: &&SceneMetadata| {
         let [west, south, east, north] = scene.bounds;
         let longitude = place.longitude_deg;
-        let is_between =
-            if west <= east { west <= longitude && longitude <= east } else { longitude >= west || longitude <= east };
+        let is_between = if west <= east {
+            west <= longitude && longitude <= east
+        } else {
+            longitude >= west || longitude <= east
+        };
         is_between && south <= place.latitude_deg && place.latitude_deg <= north
     };
     let worse = |a: &&SceneMetadata, b: &&SceneMetadata| {

@@ -32,6 +32,7 @@ async fn document_and_routes_are_the_same() {
         let query = match (path.as_str(), needs_a_place) {
             ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "?lat=-1&lon=37&date=2026-08-20",
             ("/api/v1/nights", _) => "?lat=-1&lon=37&month=2026-08",
+            ("/api/v1/places", _) => "?name=Nairobi",
             (_, true) => "?lat=-1&lon=37",
             _ => "",
         };
@@ -81,6 +82,7 @@ async fn every_default_can_be_sent() {
             let query = match (path.as_str(), needs_place) {
                 ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "lat=-1&lon=37&date=2026-08-20",
                 ("/api/v1/nights", _) => "lat=-1&lon=37&month=2026-08",
+                ("/api/v1/places", _) => "name=Nairobi",
                 (_, true) => "lat=-1&lon=37",
                 _ => "",
             };

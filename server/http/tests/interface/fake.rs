@@ -10,7 +10,9 @@ use skyglow_app::{
     source::BoxFuture,
 };
 use skyglow_observatory::{
-    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest, PlanOutcome, PlanRequest, RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime, SkyRequest, SkyTime, Watch, night_sky::dark_sky,
+    BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
+    PlanOutcome, PlanRequest, RenderContext, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime,
+    SkyRequest, SkyTime, Watch, night_sky::dark_sky,
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SeenSky, SkyPart,
