@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn degrees_are_sexagesimal_to_a_tenth_of_a_second() {
+    fn degrees_are_sexagesimal_to_tenths() {
         assert_eq!(sexagesimal(48.488_333_333), "+48d29'18.0\"");
         assert_eq!(sexagesimal(-0.000_28), "-0d0'1.0\"");
         assert_eq!(sexagesimal(-1.999_999_99), "-2d0'0.0\"");

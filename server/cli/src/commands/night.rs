@@ -10,7 +10,6 @@ use crate::{
 };
 use clap::Args;
 use skyglow_app::{
-    SkySource,
     answers::{NightHourAnswer, NightHoursAnswer},
     parameters::SceneNightParameters,
     request,
