@@ -125,7 +125,7 @@ fn query_of(common: &str, fields: &Map<String, Value>, time: Option<&str>) -> St
     let is_height = |name: &str| name == p::HEIGHT.name || name == p::ALTITUDE.name;
     let has_height = fields.keys().any(|name| is_height(name));
     for (name, value) in form_urlencoded::parse(common.as_bytes()) {
-        if !is_own(&name) && !(has_height && is_height(&name)) {
+        if !(is_own(&name) || has_height && is_height(&name)) {
             query.append_pair(&name, &value);
         }
     }

@@ -159,10 +159,10 @@ fn no_minute_of_a_day_jumps() {
             })
             .collect();
         let mut worst = (0.0, 0);
-        for minute in 1..logs.len() - 1 {
-            for at in 0..logs[0].len() {
-                let bend = (logs[minute + 1][at] - 2.0 * logs[minute][at] + logs[minute - 1][at]).abs();
-                worst = if bend > worst.0 { (bend, minute) } else { worst };
+        for (minute, three) in logs.windows(3).enumerate() {
+            for ((before, now), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+                let bend = (after - 2.0 * now + before).abs();
+                worst = if bend > worst.0 { (bend, minute + 1) } else { worst };
             }
         }
         println!("{place:?}: {:.4} in minute {}", worst.0, worst.1);
