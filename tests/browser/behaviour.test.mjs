@@ -24,7 +24,7 @@ test("a link and a reload restore the whole view", async () => {
   const { beside } = here;
   const link = fragment(
     beside,
-    `&map=7.5/${beside.latitude_deg}/${beside.longitude_deg}&turbidity=3.4&lamp=hps&projection=fisheye&sky=total&colours=cividis&radiance=0.4&elevation=0.5`,
+    `&map=7.5/${beside.latitude_deg}/${beside.longitude_deg}&turbidity=3.4&lamp=hps&projection=fisheye&sky=artificial&colours=cividis&radiance=0.4&elevation=0.5`,
   );
   const opened = await openPage(browser, link);
   const { page, context } = opened;
@@ -50,7 +50,7 @@ test("a link and a reload restore the whole view", async () => {
     turbidity: "3.4",
     lamp: "hps",
     fisheye: "true",
-    total: "true",
+    total: "false",
     colours: "cividis",
     opacity: "0.4",
     pins: 1,

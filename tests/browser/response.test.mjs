@@ -99,7 +99,7 @@ test("what sees the sky is chosen", async () => {
 
 /** The colour of the zenith and what others see of it are among the numbers, and all lamps among the choices. */
 test("the colour of the zenith is among the numbers", async () => {
-  const opened = await openPage(browser, fragment(here.beside, "&lamp=hps:0.7,led_4000k:0.3"));
+  const opened = await openPage(browser, fragment(here.beside, "&sky=artificial&lamp=hps:0.7,led_4000k:0.3"));
   const { page, context } = opened;
   await skyShown(page);
   const { sky, lamp } = await getJson(skyPath(here.scene, "sky", here.beside, "&lamp=hps:0.7,led_4000k:0.3"));
