@@ -15,11 +15,11 @@ export interface Seen {
   hasMagnitude: boolean;
 }
 
-/** The eye before a dark sky of round brightness, as long as no answer says what the natural sky is. */
+/** The eye before the dark reference through clear air, to a hundredth of a magnitude, as long as no answer says what it is. */
 export const PHOTOPIC: Readonly<Seen> = {
   response: "photopic",
   unit: "cd/m²",
-  natural: luminanceFromBrightnessCdM2(21.9),
+  natural: luminanceFromBrightnessCdM2(21.8),
   hasMagnitude: true,
 };
 
