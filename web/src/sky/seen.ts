@@ -23,6 +23,11 @@ export const PHOTOPIC: Readonly<Seen> = {
   hasMagnitude: true,
 };
 
+/** The eye before the dark reference of an answer. */
+export function eyeBefore({ luminance_cd_m2: natural }: Pick<PanoramaAnswer["dark_reference"], "luminance_cd_m2">): Seen {
+  return { ...PHOTOPIC, natural };
+}
+
 const WITH_MAGNITUDE: readonly string[] = ["johnson_b", "johnson_v", "johnson_r", "sqm"];
 
 /** What sees a panorama, and its value of the natural sky; 0 where that is not known. */

@@ -2,7 +2,7 @@
 
 import { words } from "../language/words.ts";
 import { brightnessMagArcsec2 } from "../photometry.ts";
-import { PHOTOPIC, type Seen } from "../sky/seen.ts";
+import type { Seen } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 
 /** A number in digits, with the decimal sign of the language. */
@@ -58,7 +58,7 @@ export function ratio(value: number): string {
 }
 
 /** A value of what sees the sky, as a number and its unit. */
-export function inUnit(value: number, unit: BrightnessUnit, seen: Seen = PHOTOPIC): [value: string, unit: string] {
+export function inUnit(value: number, unit: BrightnessUnit, seen: Seen): [value: string, unit: string] {
   if (unit === "magnitude") return [magnitude(brightnessMagArcsec2(value)), "mag/arcsec²"];
   if (unit === "ratio") return [`${ratio(value / (seen.natural ?? NaN))} ×`, words().numbers.natural];
   // Radiances of satellites are told in nW all over.

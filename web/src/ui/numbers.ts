@@ -3,6 +3,7 @@
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
+import { eyeBefore } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
 import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -67,7 +68,7 @@ function warning(text: string): HTMLElement {
 }
 
 /** Artificial light at the zenith, beside all light. */
-function artificialAlone({ sky }: SkyAnswer, unit: BrightnessUnit): HTMLElement {
+function artificialAlone({ sky, dark_reference: dark }: SkyAnswer, unit: BrightnessUnit): HTMLElement {
   const say = words().numbers;
   if (sky.ratio_to_natural < NO_ARTIFICIAL_RATIO)
     return make("span", "zenith-luminance", say.artificialLess(decimal(100 * NO_ARTIFICIAL_RATIO)));
@@ -75,7 +76,7 @@ function artificialAlone({ sky }: SkyAnswer, unit: BrightnessUnit): HTMLElement 
   const mag = make("b", "", magnitude(sky.zenith_brightness_mag_arcsec2 ?? null));
   mag.dataset.value = "zenith_mag";
   const amount =
-    unit === "magnitude" ? [mag, " mag/arcsec²"] : [inUnit(sky.zenith_luminance_cd_m2, unit).join(" "), " (", mag, ")"];
+    unit === "magnitude" ? [mag, " mag/arcsec²"] : [inUnit(sky.zenith_luminance_cd_m2, unit, eyeBefore(dark)).join(" "), " (", mag, ")"];
   return make("span", "zenith-luminance", `${say.artificialAlone} `, ...amount);
 }
 
@@ -96,7 +97,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
   const totalMag = make("b", "", magnitude(sky.zenith_total_brightness_mag_arcsec2 ?? null));
   totalMag.dataset.value = "zenith_total_mag";
   const byUnit = unit === "magnitude";
-  const [value, name] = inUnit(sky.zenith_total_luminance_cd_m2, unit);
+  const [value, name] = inUnit(sky.zenith_total_luminance_cd_m2, unit, eyeBefore(answer.dark_reference));
   const zenith = make(
     "div",
     "zenith",
