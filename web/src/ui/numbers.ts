@@ -76,7 +76,9 @@ function artificialAlone({ sky, dark_reference: dark }: SkyAnswer, unit: Brightn
   const mag = make("b", "", magnitude(sky.zenith_brightness_mag_arcsec2 ?? null));
   mag.dataset.value = "zenith_mag";
   const amount =
-    unit === "magnitude" ? [mag, " mag/arcsec²"] : [inUnit(sky.zenith_luminance_cd_m2, unit, eyeBefore(dark)).join(" "), " (", mag, ")"];
+    unit === "magnitude"
+      ? [mag, " mag/arcsec²"]
+      : [inUnit(sky.zenith_luminance_cd_m2, unit, eyeBefore(dark)).join(" "), " (", mag, ")"];
   return make("span", "zenith-luminance", `${say.artificialAlone} `, ...amount);
 }
 
