@@ -3,7 +3,6 @@
 use skyglow_physics::{
     AZIMUTH_COUNT, ELEVATION_COUNT, Horizon,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
-    photometry::natural_sky_luminance_cd_m2,
 };
 use std::f64::consts::PI;
 
@@ -13,7 +12,7 @@ const HIGHEST_RAD: f64 = PI / 6.0;
 const COLUMNS: usize = 11;
 /// Narrowest range of clean directions, columns: 15°.
 const NARROWEST: usize = 11;
-/// A direction is clean where artificial light is at most this part of 22.0 mag arcsec⁻².
+/// A direction is clean where artificial light is at most this part of the natural sky overhead.
 const CLEAN_PART: f64 = 0.5;
 
 /// Artificial light low in the sky, by direction. A direction is the mean over 15° of azimuth and the lowest 30° of the visible sky.
@@ -27,8 +26,9 @@ pub struct LowSky {
     pub clean: Vec<[f64; 2]>,
 }
 
-/// The low sky of artificial luminance, `[row][column]`, cd m⁻²; None where terrain hides all of it.
-pub fn low_sky(luminance_cd_m2: &[f32], horizon: &Horizon) -> Option<LowSky> {
+/// The low sky of artificial luminance, `[row][column]`, cd m⁻², under a natural sky so bright overhead, cd m⁻²; None where terrain
+/// hides all of it.
+pub fn low_sky(luminance_cd_m2: &[f32], natural_cd_m2: f64, horizon: &Horizon) -> Option<LowSky> {
     let rows: Vec<usize> = (0..ELEVATION_COUNT).filter(|&row| elevation_rad(row) <= HIGHEST_RAD).collect();
     let column = |column: usize| {
         let visible = rows.iter().filter(|row| !horizon.hides_sample(**row, column));
@@ -47,7 +47,7 @@ pub fn low_sky(luminance_cd_m2: &[f32], horizon: &Horizon) -> Option<LowSky> {
     let means: Vec<Option<f64>> = (0..AZIMUTH_COUNT).map(mean).collect();
     let seen = || means.iter().enumerate().filter_map(|(at, mean)| Some((at, (*mean)?)));
     let direction = |(at, mean): (usize, f64)| (azimuth_rad(at).to_degrees(), mean);
-    let clean_cd_m2 = CLEAN_PART * natural_sky_luminance_cd_m2();
+    let clean_cd_m2 = CLEAN_PART * natural_cd_m2;
     let is_clean: Vec<bool> = means.iter().map(|mean| mean.is_some_and(|mean| mean <= clean_cd_m2)).collect();
     Some(LowSky {
         darkest: direction(seen().min_by(|a, b| a.1.total_cmp(&b.1))?),
@@ -83,6 +83,8 @@ fn ranges(is_so: &[bool]) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
+    const NATURAL_CD_M2: f64 = 2e-4;
+
     /// A sky with a glow around an azimuth.
     fn glow(azimuth_deg: f64, halfwidth_deg: f64) -> Vec<f32> {
         let bright = |index: usize| {
@@ -97,15 +99,15 @@ mod tests {
     /// All but the glow is clean, also across north; a narrow gap between glows is not.
     #[test]
     fn directions_away_from_a_glow_are_clean() {
-        let low = low_sky(&glow(180.0, 30.0), &Horizon::flat()).unwrap();
+        let low = low_sky(&glow(180.0, 30.0), NATURAL_CD_M2, &Horizon::flat()).unwrap();
         assert_eq!(low.clean.len(), 1);
         let [first, last] = low.clean[0];
         assert!((first - 218.0).abs() < 3.0 && (last - 142.0).abs() < 3.0, "{low:?}");
         assert!((low.brightest.0 - 180.0).abs() < 30.0 && low.brightest.1 > 9e-3 && low.darkest.1 < 2e-6);
-        assert_eq!(low_sky(&glow(0.0, 0.0), &Horizon::flat()).unwrap().clean.len(), 1);
-        assert!(low_sky(&glow(0.0, 170.0), &Horizon::flat()).unwrap().clean.is_empty());
+        assert_eq!(low_sky(&glow(0.0, 0.0), NATURAL_CD_M2, &Horizon::flat()).unwrap().clean.len(), 1);
+        assert!(low_sky(&glow(0.0, 170.0), NATURAL_CD_M2, &Horizon::flat()).unwrap().clean.is_empty());
         let dark = vec![1e-7; AZIMUTH_COUNT * ELEVATION_COUNT];
-        assert_eq!(low_sky(&dark, &Horizon::flat()).unwrap().clean, [[0.0, 360.0]]);
+        assert_eq!(low_sky(&dark, NATURAL_CD_M2, &Horizon::flat()).unwrap().clean, [[0.0, 360.0]]);
     }
 
     /// What terrain hides does not count; where it hides all of the low sky there is none.
@@ -115,8 +117,8 @@ mod tests {
             let rad = |column: usize| if (from..to).contains(&column) { 1.0 } else { 0.0 };
             Horizon::new((0..AZIMUTH_COUNT).map(rad).collect()).unwrap()
         };
-        let low = low_sky(&glow(180.0, 20.0), &wall(100, 156)).unwrap();
+        let low = low_sky(&glow(180.0, 20.0), NATURAL_CD_M2, &wall(100, 156)).unwrap();
         assert!(low.brightest.1 < 2e-6, "{low:?}");
-        assert_eq!(low_sky(&glow(180.0, 20.0), &wall(0, AZIMUTH_COUNT)), None);
+        assert_eq!(low_sky(&glow(180.0, 20.0), NATURAL_CD_M2, &wall(0, AZIMUTH_COUNT)), None);
     }
 }

@@ -1,7 +1,7 @@
 //! The world's places of 1 000 or more inhabitants, as GeoNames has them (geonames.org, CC BY 4.0), for scenes that bring none of
 //! their own and for searches by name. `scripts/gazetteer.py` writes the file.
 
-use crate::metadata::NamedPlace;
+use crate::metadata::{NamedPlace, is_within};
 use serde::Serialize;
 use std::sync::OnceLock;
 
@@ -103,16 +103,8 @@ impl Gazetteer {
     }
 
     /// The most populous places inside bounds, west, south, east, north in degrees; west > east across the antimeridian.
-    pub(crate) fn within(&self, [west, south, east, north]: [f64; 4]) -> Vec<NamedPlace> {
-        let inside = |place: &&WorldPlace| {
-            let longitude = place.longitude_deg;
-            let is_between = if west <= east {
-                (west..=east).contains(&longitude)
-            } else {
-                longitude >= west || longitude <= east
-            };
-            is_between && (south..=north).contains(&place.latitude_deg)
-        };
+    pub(crate) fn within(&self, bounds: [f64; 4]) -> Vec<NamedPlace> {
+        let inside = |place: &&WorldPlace| is_within(bounds, place.latitude_deg, place.longitude_deg);
         let named = |place: &WorldPlace| NamedPlace {
             name: place.name.clone(),
             latitude_deg: place.latitude_deg,

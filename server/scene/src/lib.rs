@@ -75,7 +75,7 @@ pub use memory::{available_bytes, memory_limit_bytes};
 pub use mercator::{tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 pub use metadata::{
     Confidence, ExamplePlace, GridMetadata, IngestReport, NamedPlace, NoiseReport, PixelCount, Recognition,
-    SceneMetadata, TerrainReport,
+    SceneMetadata, TerrainReport, is_within,
 };
 pub use place_kernel::{PlaceKernel, UniformAxis};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};

@@ -46,6 +46,16 @@ pub struct SceneMetadata {
     pub version: String,
 }
 
+/// Whether bounds hold a place: west, south, east, north, degrees; west > east across the antimeridian.
+pub fn is_within([west, south, east, north]: [f64; 4], latitude_deg: f64, longitude_deg: f64) -> bool {
+    let is_between = if west <= east {
+        (west..=east).contains(&longitude_deg)
+    } else {
+        longitude_deg >= west || longitude_deg <= east
+    };
+    is_between && (south..=north).contains(&latitude_deg)
+}
+
 /// The raster's own grid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GridMetadata {

@@ -19,8 +19,8 @@ pub struct LowSkyAnswer {
     pub brightest_azimuth_deg: f64,
     /// Artificial luminance there, cd m⁻².
     pub brightest_luminance_cd_m2: f64,
-    /// Ranges of azimuth, first and last in degrees, in which artificial light is at most half of a natural sky of 22.0 mag arcsec⁻²;
-    /// of 15° or more. The last is below the first where a range passes north.
+    /// Ranges of azimuth, first and last in degrees, in which artificial light is at most half of the dark reference overhead; of 15°
+    /// or more. The last is below the first where a range passes north.
     pub clean_directions_deg: Vec<[f64; 2]>,
 }
 
@@ -72,7 +72,7 @@ impl PlaceSky {
             ratio_to_natural: numbers.ratio_to_natural,
             bortle_class: numbers.bortle_class,
             naked_eye_limit_mag: numbers.naked_eye_limit_mag,
-            low_sky: low_sky(luminance, &sky.horizon).map(LowSkyAnswer::from),
+            low_sky: low_sky(luminance, sky.context.dark.luminance_cd_m2(), &sky.horizon).map(LowSkyAnswer::from),
         }
     }
 }

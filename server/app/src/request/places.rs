@@ -7,7 +7,7 @@ use crate::{
     validation::ValidationCode,
 };
 use serde::Serialize;
-use skyglow_scene::{Gazetteer, SceneMetadata, WorldPlace};
+use skyglow_scene::{Gazetteer, SceneMetadata, WorldPlace, is_within};
 use utoipa::ToSchema;
 
 /// So many are answered at most.
@@ -51,16 +51,7 @@ pub fn world_places(query: Option<&str>, scenes: &[SceneMetadata]) -> Result<Vec
 }
 
 fn scene_at<'a>(scenes: &'a [SceneMetadata], place: &WorldPlace) -> Option<&'a SceneMetadata> {
-    let holds = |scene: &&SceneMetadata| {
-        let [west, south, east, north] = scene.bounds;
-        let longitude = place.longitude_deg;
-        let is_between = if west <= east {
-            west <= longitude && longitude <= east
-        } else {
-            longitude >= west || longitude <= east
-        };
-        is_between && south <= place.latitude_deg && place.latitude_deg <= north
-    };
+    let holds = |scene: &&SceneMetadata| is_within(scene.bounds, place.latitude_deg, place.longitude_deg);
     let worse = |a: &&SceneMetadata, b: &&SceneMetadata| {
         a.illustrative.cmp(&b.illustrative).then(a.pixel_size_m.total_cmp(&b.pixel_size_m))
     };

@@ -20,14 +20,14 @@ pub fn dark_sky(tables: Option<&CelestialTables>, turbidity: Turbidity, altitude
         let radiance = radiance_outside(component, 1.0, altitude_m);
         std::array::from_fn(|band| radiance[band] * through.map_or(1.0, |through| through[band]))
     };
-    let scattered = |component: Component| {
-        tables.map_or([0.0; BAND_COUNT], |tables| {
-            let rings = irradiance_of_rings(component, tables.zenith_angles_rad(), altitude_m);
-            tables.zenith_of_rings(turbidity, &rings, altitude_m)
-        })
-    };
+    let scattered = tables.map_or([[0.0; BAND_COUNT]; COMPONENTS.len()], |tables| {
+        let angles_rad = tables.zenith_angles_rad();
+        let rings = COMPONENTS.map(|component| irradiance_of_rings(component, angles_rad, altitude_m));
+        tables.zenith_of_rings(turbidity, &rings, altitude_m)
+    });
+    let mut scattered = scattered.into_iter();
     let background = COMPONENTS.map(|component| {
-        let mut kernel = scattered(component);
+        let mut kernel = scattered.next().unwrap_or_default();
         if component != Component::Stars {
             kernel
                 .iter_mut()

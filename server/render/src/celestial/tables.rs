@@ -123,25 +123,28 @@ impl CelestialTables {
         })
     }
 
-    /// What light scatters to the zenith that is the same at all azimuths: `rings` is its irradiance at each of
-    /// [`Self::zenith_angles_rad`], of all azimuths together, in any unit.
-    pub fn zenith_of_rings(
+    /// What lights of several kinds scatter to the zenith that are the same at all azimuths: each of `rings` is the irradiance of one
+    /// kind at each of [`Self::zenith_angles_rad`], of all azimuths together, in any unit.
+    pub fn zenith_of_rings<const KINDS: usize>(
         &self,
         turbidity: Turbidity,
-        rings: &[[f64; BAND_COUNT]],
+        rings: &[Vec<[f64; BAND_COUNT]>; KINDS],
         observer_altitude_m: f64,
-    ) -> [f64; BAND_COUNT] {
+    ) -> [[f64; BAND_COUNT]; KINDS] {
         let stencil = self.around(turbidity);
         let of_table = |table: usize| {
-            let mut sum = [0.0; BAND_COUNT];
-            for (node, ring) in rings.iter().enumerate().take(self.zenith_angles_rad().len()) {
+            let mut sums = [[0.0; BAND_COUNT]; KINDS];
+            for node in 0..self.zenith_angles_rad().len() {
                 let sky = self.tables[table].node_zenith(node, observer_altitude_m);
-                sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
+                for (sum, ring) in sums.iter_mut().zip(rings).filter_map(|(sum, of)| Some((sum, of.get(node)?))) {
+                    sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
+                }
             }
-            sum.map(|value: f64| value.max(f64::MIN_POSITIVE).ln())
+            sums.map(|sum| sum.map(|value: f64| value.max(f64::MIN_POSITIVE).ln()))
         };
-        let logs: Vec<[f64; BAND_COUNT]> = stencil.nodes().map(of_table).collect();
-        from_fn(|band| stencil.sum(|table| logs[table - stencil.nodes().start][band]).exp())
+        let logs: Vec<[[f64; BAND_COUNT]; KINDS]> = stencil.nodes().map(of_table).collect();
+        let first = stencil.nodes().start;
+        from_fn(|kind| from_fn(|band| stencil.sum(|table| logs[table - first][kind][band]).exp()))
     }
 
     /// Share of a beam that reaches the observer directly, by band; 0 below the horizon.
@@ -312,7 +315,7 @@ mod tests {
         let grid = BeamGrid::new(nodes, cells.collect()).unwrap();
         for turbidity in [2.0, 2.6] {
             let turbidity = Turbidity::new(turbidity).unwrap();
-            let zenith = tables.zenith_of_rings(turbidity, &rings, 700.0);
+            let [zenith] = tables.zenith_of_rings(turbidity, &[rings.clone()], 700.0);
             let sky = tables.grid_sky(turbidity, &grid, 700.0);
             for (band, value) in zenith.into_iter().enumerate() {
                 // The highest row is 0.7° from the zenith.
