@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 [ "$#" -gt 0 ] && shift
-[ "$#" -gt 0 ] || set -- parameters body boundary pack raster places
+[ "$#" -gt 0 ] || set -- parameters body boundary pack celestial raster places
 scripts/system_packages.sh serve
 rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
 cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked cargo-fuzz@0.13.2

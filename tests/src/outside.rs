@@ -5,7 +5,7 @@ mod packs;
 mod rasters;
 mod requests;
 
-pub use packs::pack;
+pub use packs::{celestial, pack};
 pub use rasters::{places, raster};
 pub use requests::{body, boundary, parameters};
 
@@ -13,11 +13,12 @@ pub use requests::{body, boundary, parameters};
 pub type Rules = fn(&[u8]);
 
 /// All of them by the names of their fuzz targets, which are those of their folders of seeds.
-pub const ALL: [(&str, Rules); 6] = [
+pub const ALL: [(&str, Rules); 7] = [
     ("parameters", parameters),
     ("body", body),
     ("boundary", boundary),
     ("pack", pack),
+    ("celestial", celestial),
     ("raster", raster),
     ("places", places),
 ];

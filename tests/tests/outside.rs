@@ -6,7 +6,7 @@ use proptest::{
     prelude::*,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
 };
-use skyglow_lab::seeds::{smallest_pack, smallest_raster};
+use skyglow_lab::seeds::{smallest_celestial_table, smallest_pack, smallest_raster};
 use skyglow_tests::{
     outside::{self, Rules},
     tree::root,
@@ -72,6 +72,7 @@ fn any_parameters_and_bodies_are_judged() {
 #[test]
 fn any_packs_are_judged() {
     cut_and_altered("pack", outside::pack, 500);
+    cut_and_altered("celestial", outside::celestial, 500);
 }
 
 /// Rasters and places are accepted or refused, and nothing is left of what was refused.
@@ -88,6 +89,10 @@ fn fuzzing_seeds_are_accepted_today() {
     let write = "write it again with `cargo run --release -p skyglow-lab -- seeds`";
     assert!(whole.is_some(), "no seed is the smallest pack of this format: {write}");
     assert!(seeds("raster").contains(&smallest_raster()), "{write}");
+    let table = smallest_celestial_table();
+    assert!(seeds("celestial").contains(&table), "{write}");
+    let table = [&table[..], blake3::hash(&table).as_bytes()].concat();
+    assert_eq!(skyglow_tables::CelestialTable::from_bytes(&table).unwrap().zenith_angle_rad().len(), 2);
     let body = [smallest_pack(), blake3::hash(&smallest_pack()).as_bytes().to_vec()].concat();
     let pack = skyglow_tables::pack::Pack::from_bytes(&body).unwrap();
     assert_eq!(pack.manifest().basis_count, 1);

@@ -112,6 +112,8 @@ pub enum NaturalSky<'a> {
         seen: &'a SeenSky,
         /// Means over the meter's field of what comes straight from points of light.
         points: &'a [NodeLight],
+        /// Irradiance of a horizontal surface by what comes straight from them.
+        straight_down: &'a [NodeLight],
     },
 }
 
@@ -141,7 +143,8 @@ impl NaturalSky<'_> {
         self.mean(dark, &Response::Sqm, horizon, meter_weight) + of_points
     }
 
-    /// ∫ sin(elevation) dΩ over the visible sky of what a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees of it.
+    /// ∫ sin(elevation) dΩ over the visible sky of what a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees of it, with what
+    /// comes straight from Sun, Moon, planets and stars.
     pub(crate) fn horizontal(
         self,
         dark: &EvenSky,
@@ -152,8 +155,9 @@ impl NaturalSky<'_> {
         match self {
             Self::Hidden => 0.0,
             Self::Dark => visible_projected_sr * dark.value(response),
-            Self::OfInstant { seen, .. } => {
+            Self::OfInstant { seen, straight_down, .. } => {
                 Sums::of(seen.seen_by(response).unwrap_or_default(), horizon).horizontal
+                    + NodeLight::value(straight_down, response)
             }
         }
     }

@@ -40,7 +40,7 @@ pub struct SkyQuantities {
     pub mean_luminance_cd_m2: f64,
     /// Horizontal illuminance by the visible sky, lx.
     pub horizontal_illuminance_lx: f64,
-    /// With the natural sky, lx.
+    /// With the natural sky, and what comes straight from Sun, Moon, planets and stars, lx.
     pub horizontal_total_illuminance_lx: f64,
     /// Largest visible luminance, cd m⁻².
     pub brightest_luminance_cd_m2: f64,
@@ -300,7 +300,8 @@ mod tests {
         let open = Horizon::flat();
         let (response, dark) = (&Response::Melanopic, &even_sky(1.7e-4, 0.0));
         let numbers = SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response, dark };
-        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[] };
+        let sky =
+            NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[], straight_down: &[] };
         let found = SkyQuantities::with(sky, numbers);
         let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
         let seen = found.seen.unwrap();
@@ -321,12 +322,16 @@ mod tests {
         let light = Arc::clone(&natural[0].light);
         let kernel = uniform_kernel(&light, 1e-4);
         let points = &[NodeLight { light, kernel: [kernel; NODE_COUNT] }];
-        let starry = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points };
+        let starry =
+            NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points, straight_down: points };
         let with_stars = SkyQuantities::with(starry, numbers);
         let brighter = found.sqm_total_brightness_mag_arcsec2.unwrap()
             - with_stars.sqm_total_brightness_mag_arcsec2.unwrap();
         assert!((brighter - 2.5 * (1.3f64 / 1.2).log10()).abs() < 1e-5, "{brighter}");
         assert_eq!(with_stars.zenith_total_luminance_cd_m2, found.zenith_total_luminance_cd_m2);
+        // The ground has their light too.
+        let more_lx = with_stars.horizontal_total_illuminance_lx - found.horizontal_total_illuminance_lx;
+        assert!((more_lx / 1e-4 - 1.0).abs() < 1e-5, "{more_lx}");
     }
 
     #[test]

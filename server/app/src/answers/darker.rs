@@ -72,7 +72,8 @@ impl PlaceSky {
             ratio_to_natural: numbers.ratio_to_natural,
             bortle_class: numbers.bortle_class,
             naked_eye_limit_mag: numbers.naked_eye_limit_mag,
-            low_sky: low_sky(luminance, sky.context.dark.luminance_cd_m2(), &sky.horizon).map(LowSkyAnswer::from),
+            low_sky: low_sky(luminance, sky.context.dark.luminance_cd_m2(), &sky.horizon)
+                .map(LowSkyAnswer::from),
         }
     }
 }

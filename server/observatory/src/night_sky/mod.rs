@@ -76,6 +76,8 @@ pub struct NightSky {
     points: [Vec<ThroughAir>; Component::ALL.len()],
     /// Means of the points' light over the field of a Sky Quality Meter at the zenith.
     in_meter: Vec<NodeLight>,
+    /// Irradiance of a horizontal surface by the points.
+    straight_down: Vec<NodeLight>,
     /// Share that comes through the air at every row of the panorama.
     transmittance: [[f64; BAND_COUNT]; ELEVATION_COUNT],
 }
@@ -125,16 +127,27 @@ impl NightSky {
         let (components, parts): (Vec<_>, Vec<_>) = sun.into_iter().chain(others).unzip();
         let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
-        let in_meter = Component::BODIES.map(|component| {
-            let beams = points[component.index()].iter();
-            let beams = beams.map(|point| (FRAC_PI_2 - point.direction.elevation_rad, point.irradiance));
-            NodeLight {
+        let of_points = |sum: &dyn Fn(&[ThroughAir]) -> [f64; BAND_COUNT]| {
+            let light = |component: Component| NodeLight {
                 light: Arc::clone(component.light()),
-                kernel: meter_mean_of_points(beams, over.horizon),
-            }
+                kernel: sum(&points[component.index()]),
+            };
+            Component::BODIES.map(light).to_vec()
+        };
+        let in_meter = of_points(&|points| {
+            let beams = points.iter();
+            let beams = beams.map(|point| (FRAC_PI_2 - point.direction.elevation_rad, point.irradiance));
+            meter_mean_of_points(beams, over.horizon)
         });
-        let in_meter = in_meter.to_vec();
-        Ok(Self { heavens, components, parts, seen, points, in_meter, transmittance })
+        let straight_down = of_points(&|points| {
+            let mut sum = [0.0; BAND_COUNT];
+            for point in points {
+                let sin_elevation = point.direction.elevation_rad.sin();
+                sum.iter_mut().zip(point.irradiance).for_each(|(sum, value)| *sum += sin_elevation * value);
+            }
+            sum
+        });
+        Ok(Self { heavens, components, parts, seen, points, in_meter, straight_down, transmittance })
     }
 
     /// What shines outside the air.
@@ -159,7 +172,12 @@ impl NightSky {
 
     /// For quantities.
     pub(crate) fn as_natural_sky(&self) -> NaturalSky<'_> {
-        NaturalSky::OfInstant { parts: &self.parts, seen: &self.seen, points: &self.in_meter }
+        NaturalSky::OfInstant {
+            parts: &self.parts,
+            seen: &self.seen,
+            points: &self.in_meter,
+            straight_down: &self.straight_down,
+        }
     }
 
     /// What the responses that it was made for see of all of them.
@@ -312,5 +330,7 @@ impl Maker<'_> {
     }
 }
 
+#[cfg(test)]
+mod published;
 #[cfg(test)]
 mod tests;

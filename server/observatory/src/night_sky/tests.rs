@@ -82,6 +82,18 @@ fn components_have_luminances() {
     assert!(seen > 1e-4 && seen < 1e-2, "{seen}");
 }
 
+/// A full Moon lights the ground by tenths of a lux, most of it straight; a moonless night by a thousandth.
+#[test]
+fn the_moon_lights_the_ground() {
+    let lux = |utc: &str| {
+        let sky = sky(utc, &Horizon::flat(), Skipping::OfWhatDoesNotCount);
+        let value = |light: &NodeLight| light.light.rule(&Response::Photopic).value(light.kernel);
+        sky.straight_down.iter().map(value).sum::<f64>()
+    };
+    let (moonlit, dark) = (lux(FULL_MOON), lux(NEW_MOON));
+    assert!((0.02..0.3).contains(&moonlit) && (1e-6..1e-3).contains(&dark), "{moonlit} {dark}");
+}
+
 /// Ground hides what is behind it and adds nothing.
 #[test]
 fn ground_hides_the_natural_sky() {

@@ -136,7 +136,9 @@ impl CelestialTables {
             let mut sums = [[0.0; BAND_COUNT]; KINDS];
             for node in 0..self.zenith_angles_rad().len() {
                 let sky = self.tables[table].node_zenith(node, observer_altitude_m);
-                for (sum, ring) in sums.iter_mut().zip(rings).filter_map(|(sum, of)| Some((sum, of.get(node)?))) {
+                for (sum, ring) in
+                    sums.iter_mut().zip(rings).filter_map(|(sum, of)| Some((sum, of.get(node)?)))
+                {
                     sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
                 }
             }

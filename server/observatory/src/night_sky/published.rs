@@ -1,0 +1,149 @@
+//! Natural skies beside those that others published; `-- --nocapture` prints the numbers.
+
+use super::*;
+use skyglow_celestial::airglow::zenith_s10;
+use skyglow_physics::photometry::brightness_mag_arcsec2;
+use std::{f64::consts::PI, path::Path, sync::LazyLock};
+
+static TABLES: LazyLock<CelestialTables> = LazyLock::new(|| {
+    let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+    CelestialTables::open(&packs).unwrap().unwrap()
+});
+
+fn air(turbidity: f64) -> Turbidity {
+    Turbidity::new(turbidity).unwrap()
+}
+
+/// V of a panorama of the Moon's kind of light at an elevation, in the column that is 0 or π away from the Moon.
+fn moonlight(sky: &Panorama, magnitude_v: f64, elevation_deg: f64, column: usize) -> f64 {
+    let irradiance = 10f64.powf(-0.4 * (magnitude_v + 12.73));
+    let row = (elevation_deg / 90.0 * ELEVATION_COUNT as f64 - 0.5).clamp(0.0, ELEVATION_COUNT as f64 - 1.0);
+    let (low, part) =
+        ((row as usize).min(ELEVATION_COUNT - 2), row - (row as usize).min(ELEVATION_COUNT - 2) as f64);
+    let at = |row: usize| {
+        let kernel = std::array::from_fn(|band| {
+            irradiance * f64::from(sky.samples()[Panorama::index(band, row, column)])
+        });
+        Component::Moon.light().rule(&Response::JohnsonV).value(kernel).ln()
+    };
+    brightness_mag_arcsec2((at(low) + part * (at(low + 1) - at(low))).exp()).unwrap()
+}
+
+/// Turbidity at which V loses k magnitudes at the zenith of an eye so high.
+fn turbidity_of(k_mag: f64, altitude_m: f64) -> Turbidity {
+    let loss = |turbidity: f64| {
+        let through = TABLES.transmittance(air(turbidity), 0.0, altitude_m);
+        let rule = Component::Stars.light().rule(&Response::JohnsonV);
+        -2.5 * (rule.value(through) / rule.value([1.0; BAND_COUNT])).log10()
+    };
+    let (mut low, mut high) = (1.2, 6.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if loss(middle) < k_mag { low = middle } else { high = middle }
+    }
+    air(low)
+}
+
+/// Moonlight along the vertical of a Moon of phase angle 30° at 60° from the zenith, where V loses 0.172 mag: within 25 % of the
+/// empirical law of Krisciunas and Schaefer (1991), table 2, which is good to 8 to 23 %.
+#[test]
+fn moonlight_is_that_of_krisciunas_schaefer() {
+    let nanolamberts = |v: f64| 34.08 * (20.7233 - 0.92104 * v).exp();
+    let moon_v = skyglow_celestial::bodies::moon_magnitude_v(30.0, 3.844e8, 1.0);
+    for altitude_m in [400.0, 1_000.0] {
+        let turbidity = turbidity_of(0.172, altitude_m);
+        let beam = (60f64.to_radians(), azimuth_rad(0));
+        let sky = TABLES.beam_sky(turbidity, beam, altitude_m);
+        for (separation_deg, elevation_deg, column, published) in [
+            (5.0, 35.0, 0, 7216.0),
+            (30.0, 60.0, 0, 1160.0),
+            (60.0, 90.0, 0, 530.0),
+            (90.0, 60.0, AZIMUTH_COUNT / 2, 437.0),
+            (120.0, 30.0, AZIMUTH_COUNT / 2, 818.0),
+        ] {
+            let found = nanolamberts(moonlight(&sky, moon_v, elevation_deg, column));
+            println!(
+                "T {:.2}, {altitude_m} m, {separation_deg}° from the Moon: {found:.0} nL, published {published} ({:+.0} %)",
+                turbidity.value(),
+                100.0 * (found / published - 1.0)
+            );
+            assert!((found / published - 1.0).abs() < 0.25, "{separation_deg}: {found}");
+        }
+    }
+}
+
+/// V of the dark reference at the zenith with another solar flux.
+fn dark_v(turbidity: Turbidity, altitude_m: f64, solar_flux_sfu: f64) -> f64 {
+    let sky = dark_sky(Some(&TABLES), turbidity, altitude_m);
+    let sum: f64 = sky
+        .background
+        .iter()
+        .map(|part| {
+            let share = if part.light == *Component::Airglow.light() {
+                zenith_s10(solar_flux_sfu) / zenith_s10(100.0)
+            } else {
+                1.0
+            };
+            share * part.light.rule(&Response::JohnsonV).value(part.kernel)
+        })
+        .sum();
+    brightness_mag_arcsec2(sum).unwrap()
+}
+
+/// The zenith of a high dark site at solar minimum and maximum, and ESO's SkyCalc over Paranal at 130 solar flux units without a Moon
+/// and 45° from a full one.
+#[test]
+fn the_zenith_is_that_of_high_sites() {
+    let (paranal_m, clear) = (2_635.0, air(1.5));
+    let [minimum, maximum, dark] = [70.0, 220.0, 130.0].map(|flux| dark_v(clear, paranal_m, flux));
+    println!(
+        "V at the zenith, 2 635 m: solar minimum {minimum:.2}, maximum {maximum:.2}, 130 sfu {dark:.2} (SkyCalc 21.83)"
+    );
+    assert!((21.9..22.15).contains(&minimum) && (21.45..21.75).contains(&maximum), "{minimum} {maximum}");
+    assert!((dark - 21.83).abs() < 0.2, "{dark}");
+    let sky = TABLES.beam_sky(clear, (PI / 4.0, 0.0), paranal_m);
+    let full_v = skyglow_celestial::bodies::moon_magnitude_v(0.0, 3.844e8, 1.0);
+    for (name, moon_v) in [("with surge", full_v), ("without surge", full_v + 2.5 * 1.35f64.log10())] {
+        let moon = moonlight(&sky, moon_v, 90.0, 0);
+        let total = -2.5 * (10f64.powf(-0.4 * moon) + 10f64.powf(-0.4 * dark)).log10();
+        println!("full Moon 45° away, {name}: {total:.2} (SkyCalc 18.01)");
+        assert!((total - 18.01).abs() < 0.4, "{name}: {total}");
+    }
+}
+
+/// Medians of six bands of altitude in V over Barcelona beside GAMBONS, 2026-08-20 23:16 UTC, aerosol depth 0.056, with the airglow that
+/// gives the highest band: each within 0.1 mag, and brightest neither at the zenith nor at the horizon.
+#[test]
+fn bands_of_altitude_are_those_of_gambons() {
+    let published = [21.128, 21.107, 21.272, 21.399, 21.378, 21.238];
+    let over = Overhead {
+        place: GeoPoint::from_deg(41.38, 2.17).unwrap(),
+        altitude_m: 100.0,
+        horizon: &Horizon::flat(),
+        turbidity: air(1.0 + 0.056 / 0.0973),
+    };
+    let instant = Instant::parse("2026-08-20T23:16:00Z").unwrap();
+    let bands = |solar_flux_sfu: f64| {
+        let sky = NightSky::new(&TABLES, &over, SkyTime { instant, solar_flux_sfu }, &[Response::JohnsonV])
+            .unwrap();
+        let rows = ELEVATION_COUNT as f64 / 6.0;
+        let median = |band: usize| {
+            let [first, end] =
+                [band, band + 1].map(|edge| (edge as f64 * rows).round() as usize * AZIMUTH_COUNT);
+            let mut values = sky.seen().plane(0)[first..end].to_vec();
+            values.sort_by(f32::total_cmp);
+            brightness_mag_arcsec2(f64::from(values[values.len() / 2])).unwrap()
+        };
+        std::array::from_fn::<f64, 6, _>(median)
+    };
+    let (mut low, mut high) = (50.0, 400.0);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        if bands(middle)[5] > published[5] { low = middle } else { high = middle }
+    }
+    let found = bands(low);
+    println!("{low:.0} sfu: {found:.3?}, published {published:?}");
+    for (found, published) in found.iter().zip(published) {
+        assert!((found - published).abs() < 0.15, "{found} {published}");
+    }
+}
