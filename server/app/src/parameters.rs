@@ -215,6 +215,8 @@ parameters! {
     }, "", false;
     /// What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up.
     SHARED_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal", "region"]), "", false;
+    /// What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the horizontal illuminance, what the ground has.
+    MAP_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal"]), "zenith", false;
     /// Number of the named places with the largest shares that are listed; the others are summed up.
     LISTED_PLACES = "limit", Kind::Integer { minimum: 1, maximum: 10_000 }, "50", false;
     /// The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case.
@@ -372,7 +374,7 @@ parameter_sets! {
         SCENARIO, SHARED_MEASURE, REGION, NAME_FIELD,
     ];
     /// Those of the zenith's brightness at every place.
-    BrightnessParameters = [TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
+    BrightnessParameters = [MAP_MEASURE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
     /// Those of darker places near a place.
     DarkerParameters = [
         LAT, LON, WITHIN_KM, DARKER_PLACES, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO,

@@ -1,14 +1,15 @@
-//! How bright the zenith is at every place of a scene: the layer that the public knows from the World Atlas.
+//! How bright the sky is at every place of a scene, by default at the zenith: the layer that the public knows from the World Atlas.
 
 use crate::{
     error::ObservatoryError,
-    influence::{KernelRange, zenith_kernel},
+    influence::{KernelRange, place_kernel},
+    influence_map::Measure,
     night_sky::dark_outside,
     observatory::Observatory,
     scene_view::SceneView,
 };
 use serde::Serialize;
-use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Lamp, Response, Turbidity};
+use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LinearMeasure, Response, Turbidity};
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
@@ -17,6 +18,7 @@ use skyglow_scene::{
 };
 use skyglow_tables::Scattering;
 use std::{
+    f64::consts::PI,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -26,18 +28,61 @@ pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
 
-/// What a response sees of the dark reference outside the air, in its unit, which the colours of such maps go by, whatever the air.
-pub fn natural_value(response: &Response) -> f64 {
-    dark_outside().value(response)
+/// What of the open sky over a place a map shows: the ground there is level, and hides nothing of the sky.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum MapMeasure {
+    /// The mean luminance within 5° of the zenith, cd m⁻².
+    #[default]
+    Zenith,
+    /// The mean luminance of the sky, cd m⁻².
+    Mean,
+    /// The horizontal illuminance, lx.
+    Horizontal,
 }
 
-/// Ends of those colours, logarithmic between: from a hundredth of that, where light pollution begins to count, to forty times it.
-pub fn brightness_range(response: &Response) -> (f64, f64) {
-    let natural = natural_value(response);
-    (0.01 * natural, 40.0 * natural)
+impl MapMeasure {
+    /// Its unit, in ASCII.
+    pub fn unit(self, response: &Response) -> String {
+        Measure::from(self).unit(response.unit())
+    }
+
+    fn weights(self) -> LinearMeasure {
+        let open = Horizon::flat();
+        match self {
+            Self::Zenith => LinearMeasure::zenith(&open),
+            Self::Mean => LinearMeasure::mean(&open),
+            Self::Horizontal => LinearMeasure::horizontal(&open),
+        }
+    }
+
+    /// What a response sees of the dark reference outside the air, in the unit of the measure, which the colours of such maps go by,
+    /// whatever the air.
+    pub fn natural_value(self, response: &Response) -> f64 {
+        let radiance = dark_outside().value(response);
+        match self {
+            Self::Zenith | Self::Mean => radiance,
+            Self::Horizontal => PI * radiance,
+        }
+    }
+
+    /// Ends of those colours, logarithmic between: from a hundredth of that, where light pollution begins to count, to forty times it.
+    pub fn colour_range(self, response: &Response) -> (f64, f64) {
+        let natural = self.natural_value(response);
+        (0.01 * natural, 40.0 * natural)
+    }
 }
 
-/// A request for one map of the zenith's brightness: under a clear sky, two metres above the ground.
+impl From<MapMeasure> for Measure {
+    fn from(measure: MapMeasure) -> Self {
+        match measure {
+            MapMeasure::Zenith => Self::Zenith,
+            MapMeasure::Mean => Self::Mean,
+            MapMeasure::Horizontal => Self::Horizontal,
+        }
+    }
+}
+
+/// A request for one map of brightness: under a clear sky, two metres above the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BrightnessRequest {
     /// The scene.
@@ -50,6 +95,8 @@ pub struct BrightnessRequest {
     pub scattering: Scattering,
     /// The lamp.
     pub lamp: Lamp,
+    /// What of the sky.
+    pub measure: MapMeasure,
     /// What sees the sky.
     pub response: Response,
     /// Where lamps send their light, and what of them the satellite's radiance says.
@@ -66,12 +113,13 @@ impl BrightnessRequest {
     }
 }
 
-/// What the response of a request sees of artificial light at the zenith (the mean within 5° of it), in its unit, at places all over a
-/// scene.
+/// What the response of a request sees of artificial light, by the request's measure and in its unit, at places all over a scene.
 #[derive(Clone, Debug)]
 pub struct BrightnessMap {
     scene: Arc<Scene>,
     places: PlaceValues,
+    /// What of the sky.
+    pub measure: MapMeasure,
     /// What sees the sky.
     pub response: Response,
     /// How long each step took.
@@ -89,9 +137,19 @@ impl BrightnessMap {
         &self.scene
     }
 
-    /// What is seen at the places, in the unit of [`Self::response`]; NaN where the ground is higher than the packs reach.
+    /// What is seen at the places, in the unit of [`Self::unit`]; NaN where the ground is higher than the packs reach.
     pub fn places(&self) -> &PlaceValues {
         &self.places
+    }
+
+    /// The unit of its numbers, in ASCII.
+    pub fn unit(&self) -> String {
+        self.measure.unit(&self.response)
+    }
+
+    /// Ends of its colours: [`MapMeasure::colour_range`].
+    pub fn colour_range(&self) -> (f64, f64) {
+        self.measure.colour_range(&self.response)
     }
 
     /// A map tile.
@@ -121,7 +179,7 @@ impl Observatory {
         self.brightness_in(&self.view(&request.scene, request.scenario.as_ref())?, request, store)
     }
 
-    /// How bright the zenith is at every place of a scene: the sum over its lights of what the packs say each does to it, found
+    /// How bright the sky is at every place of a scene: the sum over its lights of what the packs say each does to it, found
     /// on the processor. Seconds to a minute of all cores. Not for asynchronous threads.
     ///
     /// Of the places' panoramas it differs by what far light taken together and tables between altitudes make of it: 0.1 % in the
@@ -164,7 +222,13 @@ impl Observatory {
         step("ground");
         let values = self.zenith_at(&scene, request, (lattice, &altitudes_m), store, &mut step)?;
         let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
-        Ok(BrightnessMap { scene, places, response: request.response.clone(), steps })
+        Ok(BrightnessMap {
+            scene,
+            places,
+            measure: request.measure,
+            response: request.response.clone(),
+            steps,
+        })
     }
 
     /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
@@ -174,7 +238,7 @@ impl Observatory {
         if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
     }
 
-    /// What is seen at the zenith of the places of a lattice; NaN where the altitude is.
+    /// What is seen at the places of a lattice; NaN where the altitude is.
     ///
     /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
     ///
@@ -211,6 +275,7 @@ impl Observatory {
         };
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
+        let measure = request.measure.weights();
         let mut of_packs: Vec<Vec<f32>> = Vec::new();
         for pack in stencil.nodes() {
             let at_pack =
@@ -221,7 +286,7 @@ impl Observatory {
                 let flux_per_dnb_flux = [flux_factor; BAND_COUNT];
                 let of_fixture = RenderRequest { emission, flux_per_dnb_flux, ..at_pack.clone() };
                 let rule = fixture.light(&request.lamp).rule(&request.response);
-                zenith_kernel(solver, &of_fixture, &rule, &range, hides)
+                place_kernel(solver, &of_fixture, (&measure, &rule), &range, hides)
             };
             let kernels: Vec<PlaceKernel> =
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;

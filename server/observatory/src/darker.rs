@@ -265,6 +265,7 @@ mod tests {
                 turbidity: skyglow_physics::Turbidity::default(),
                 scattering: skyglow_tables::Scattering::Multiple,
                 lamp: skyglow_physics::Lamp::default(),
+                measure: crate::MapMeasure::Zenith,
                 response: skyglow_physics::Response::Photopic,
                 emission: skyglow_physics::Emission::default(),
                 terrain_hides: true,

@@ -26,9 +26,7 @@ mod sky_at_times;
 mod surroundings;
 mod watch;
 
-pub use brightness::{
-    BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, brightness_range, natural_value,
-};
+pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, MapMeasure};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};

@@ -6,8 +6,8 @@ mod common;
 use common::{engine, sky, store_scene, town};
 use skyglow_observatory::ObservatoryError;
 use skyglow_observatory::{
-    BrightnessRequest, InfluenceRequest, Level, Limit, Measure, Observatory, PlanMethod, PlanOutcome,
-    PlanRequest, SkyRequest, TargetSite,
+    BrightnessRequest, InfluenceRequest, Level, Limit, MapMeasure, Measure, Observatory, PlanMethod,
+    PlanOutcome, PlanRequest, SkyRequest, TargetSite,
 };
 use skyglow_physics::{
     Emission, EmissionKeep, EmissionMix, Lamp, LampChange, LampPreset, Lobe, PreservedFlux, Response, SeenSky,
@@ -136,6 +136,7 @@ fn kept_nadir_radiance_is_of_each_fixture() {
             turbidity: request.turbidity,
             scattering: request.scattering,
             lamp: request.lamp.clone(),
+            measure: MapMeasure::Zenith,
             response: Response::Photopic,
             emission,
             terrain_hides: false,

@@ -1,12 +1,13 @@
-//! What a map of the zenith's brightness depends on.
+//! What a map of brightness depends on.
 
 use super::{
     EmissionAnswer, LampAnswer, ResponseAnswer, SceneReference,
     assumptions::{hides_lights, open_lights_warning},
+    measure_name,
 };
 use crate::facts::SourceFacts;
 use serde::Serialize;
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M};
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MapMeasure};
 use skyglow_physics::Response;
 use skyglow_scene::ChangeId;
 
@@ -27,6 +28,8 @@ pub struct BrightnessAssumptions {
     pub scattering: String,
     /// Lambertian albedo of the ground; null where scattering is single.
     pub ground_albedo: Option<f64>,
+    /// `zenith`, `mean` or `horizontal`.
+    pub measure: String,
     /// The lamp.
     pub lamp: LampAnswer,
     /// What sees the sky.
@@ -42,10 +45,17 @@ pub struct BrightnessAssumptions {
 }
 
 /// What a map of brightness shows, in words.
-pub fn brightness_shows(response: &Response) -> String {
+pub fn brightness_shows(measure: MapMeasure, response: &Response) -> String {
+    let [photopic, other] = match measure {
+        MapMeasure::Zenith => ["artificial luminance at the zenith", "artificial light at the zenith"],
+        MapMeasure::Mean => ["mean artificial luminance of the sky", "mean artificial light of the sky"],
+        MapMeasure::Horizontal => {
+            ["horizontal illuminance by artificial light", "artificial light on level ground"]
+        }
+    };
     match response {
-        Response::Photopic => "artificial luminance at the zenith".to_owned(),
-        other => format!("artificial light at the zenith, {}", other.name()),
+        Response::Photopic => photopic.to_owned(),
+        response => format!("{other}, {}", response.name()),
     }
 }
 
@@ -66,6 +76,7 @@ impl BrightnessAssumptions {
             turbidity: request.turbidity.value(),
             scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
+            measure: measure_name(&request.measure.into()).to_owned(),
             lamp: (&request.lamp).into(),
             response: (&request.response).into(),
             emission: request.emission.into(),

@@ -4,13 +4,13 @@ use super::sky::read_conditions;
 use crate::{
     error::AppError,
     facts::SourceFacts,
-    parameters::{BrightnessParameters, ParameterSet},
+    parameters::{self as p, BrightnessParameters, ParameterSet},
     reader::Reader,
 };
-use skyglow_observatory::BrightnessRequest;
+use skyglow_observatory::{BrightnessRequest, MapMeasure};
 use skyglow_scene::SceneId;
 
-/// Reads the parameters of the zenith's brightness at every place.
+/// Reads the parameters of the sky's brightness at every place.
 ///
 /// # Errors
 /// [`AppError::Parameters`] with every mistake.
@@ -21,7 +21,12 @@ pub fn brightness(
 ) -> Result<BrightnessRequest, AppError> {
     let mut reader = Reader::new(query, BrightnessParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
+    let measure = match reader.choice(&p::MAP_MEASURE) {
+        Some("mean") => MapMeasure::Mean,
+        Some("horizontal") => MapMeasure::Horizontal,
+        _ => MapMeasure::Zenith,
+    };
     reader.finish()?;
     let conditions = conditions.ok_or_else(|| AppError::internal("a map was neither read nor refused"))?;
-    Ok(conditions.over_all(scene, facts.max_places))
+    Ok(conditions.over_all(scene, measure, facts.max_places))
 }

@@ -7,7 +7,7 @@ use crate::{
     parameters::{self as p, ParameterSet},
     reader::Reader,
 };
-use skyglow_observatory::{DarkerRequest, EYE_HEIGHT_M, ObserverHeight, SkyRequest};
+use skyglow_observatory::{DarkerRequest, EYE_HEIGHT_M, MapMeasure, ObserverHeight, SkyRequest};
 use skyglow_physics::GeoPoint;
 use skyglow_scene::SceneId;
 
@@ -47,7 +47,7 @@ pub fn darker(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Resul
     let (place, conditions) =
         read.ok_or_else(|| AppError::internal("a search was neither read nor refused"))?;
     let here = conditions.over(scene.clone(), place, ObserverHeight::AboveGround(EYE_HEIGHT_M));
-    let brightness = conditions.over_all(scene, facts.max_places);
+    let brightness = conditions.over_all(scene, MapMeasure::Zenith, facts.max_places);
     let search = DarkerRequest { place, within_m: 1e3 * within_km, count, brightness };
     Ok(DarkerQuestion { here, search })
 }

@@ -12,7 +12,7 @@ use crate::{
 };
 use skyglow_celestial::{CelestialError, Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
 use skyglow_display::Sky;
-use skyglow_observatory::{BrightnessRequest, ObserverHeight, SkyRequest, SkyTime};
+use skyglow_observatory::{BrightnessRequest, MapMeasure, ObserverHeight, SkyRequest, SkyTime};
 use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
@@ -127,7 +127,12 @@ impl Conditions {
     }
 
     /// The brightness of all places of a scene under them; what means nothing there is left out.
-    pub(super) fn over_all(self, scene: SceneId, max_places: usize) -> BrightnessRequest {
+    pub(super) fn over_all(
+        self,
+        scene: SceneId,
+        measure: MapMeasure,
+        max_places: usize,
+    ) -> BrightnessRequest {
         let Self { scenario, turbidity, scattering, lamp, response, emission, terrain_hides, .. } = self;
         BrightnessRequest {
             scene,
@@ -135,6 +140,7 @@ impl Conditions {
             turbidity,
             scattering,
             lamp,
+            measure,
             response,
             emission,
             terrain_hides,

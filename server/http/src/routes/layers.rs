@@ -145,7 +145,7 @@ async fn brightness_layer(
         let write = move |_: &dyn SkySource, _: &Work| {
             let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
             let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-            let what = brightness_shows(&map.response);
+            let what = brightness_shows(map.measure, &map.response);
             let shows = match map.places().lattice().step {
                 1 => what,
                 step => format!(
@@ -156,8 +156,7 @@ async fn brightness_layer(
             let pixels = on_every_pixel(map.open_scene(), map.places());
             let pixels =
                 pixels.ok_or_else(|| ApiError::internal("a map of another size than its lattice"))?;
-            let words =
-                RasterMetadata { description: &description, unit: map.response.unit(), notes: &notes };
+            let words = RasterMetadata { description: &description, unit: &map.unit(), notes: &notes };
             map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
         };
         let (made, held) = state.work.long(Lane::Plan, bytes, write).await?;

@@ -25,7 +25,7 @@ use skyglow_app::{
     request::{brightness, influence, scene_id},
 };
 use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
-use skyglow_observatory::{Measure, brightness_range, natural_value};
+use skyglow_observatory::{MapMeasure, Measure};
 use skyglow_physics::Response as ResponseKind;
 use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
 
@@ -66,11 +66,11 @@ pub async fn get_tilejson(
         }
         MapLayer::Brightness => {
             let request = brightness(query.as_deref(), id, facts)?;
-            let response = request.response.clone();
+            let seen = (request.measure, request.response.clone());
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
             let version = tile_version(&prepared.key)?;
-            (Shown::Brightness { response, query, version, progress: prepared.begin(&state) }, view)
+            (Shown::Brightness { seen, query, version, progress: prepared.begin(&state) }, view)
         }
         MapLayer::Influence => {
             let request = influence(query.as_deref(), None, id, facts, InfluenceFormat::Tiff)?.request;
@@ -97,8 +97,8 @@ enum Shown {
         query: Option<String>,
     },
     Brightness {
-        /// What sees the sky.
-        response: ResponseKind,
+        /// What of the sky, and what sees it.
+        seen: (MapMeasure, ResponseKind),
         /// As it came.
         query: Option<String>,
         version: String,
@@ -135,15 +135,10 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
             };
             (description(*layer, illustrative), given(query), version, unit.to_owned(), range)
         }
-        Shown::Brightness { response, query, version, .. } => {
-            let range = Some(brightness_range(response).into());
-            (
-                brightness_description(response, illustrative),
-                given(query),
-                version,
-                response.unit().to_owned(),
-                range,
-            )
+        Shown::Brightness { seen: (measure, response), query, version, .. } => {
+            let range = Some(measure.colour_range(response).into());
+            let description = brightness_description(*measure, response, illustrative);
+            (description, given(query), version, measure.unit(response), range)
         }
         Shown::Influence { measure, unit, version, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);
@@ -154,7 +149,9 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let parameters = query.split('&').filter(|pair| !pair.is_empty() && !pair.starts_with("v="));
     let query: String = parameters.map(|pair| format!("&{pair}")).collect();
     let (progress, natural) = match shown {
-        Shown::Brightness { progress, response, .. } => (*progress, Some(natural_value(response))),
+        Shown::Brightness { progress, seen: (measure, response), .. } => {
+            (*progress, Some(measure.natural_value(response)))
+        }
         _ => (None, None),
     };
     TileJson {

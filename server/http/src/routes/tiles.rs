@@ -31,7 +31,7 @@ use skyglow_display::{
         influence_tile_png, radiance_tile_png,
     },
 };
-use skyglow_observatory::{Measure, brightness_range};
+use skyglow_observatory::{MapMeasure, Measure};
 use skyglow_scene::{ChangeId, SceneId, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
@@ -270,12 +270,12 @@ async fn brightness_tile(
     }
     let draw = async {
         let map = prepared.find(state).await?;
-        let notes = Notes::new(&brightness_description(&map.response, map.scene().illustrative), "");
+        let description = brightness_description(map.measure, &map.response, map.scene().illustrative);
+        let notes = Notes::new(&description, "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
             let tile = map.tile(place, size_px).map_err(AppError::from)?;
-            let range = brightness_range(&map.response);
-            brightness_tile_png(&tile.values, &tile.has_data, size_px, range, &notes)
+            brightness_tile_png(&tile.values, &tile.has_data, size_px, map.colour_range(), &notes)
                 .map_err(ApiError::internal)
         };
         state.work.drawn(tile_bytes(address), draw).await
@@ -310,13 +310,17 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
 }
 
 /// What is said of the layer of brightness.
-pub(super) fn brightness_description(response: &skyglow_physics::Response, illustrative: bool) -> String {
-    let (dark, bright) = brightness_range(response);
-    let what = brightness_shows(response);
+pub(super) fn brightness_description(
+    measure: MapMeasure,
+    response: &skyglow_physics::Response,
+    illustrative: bool,
+) -> String {
+    let (dark, bright) = measure.colour_range(response);
+    let what = brightness_shows(measure, response);
     let shows = format!(
         "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the dark reference outside the air to forty times that) on a logarithmic scale; less is \
          transparent",
-        response.unit()
+        measure.unit(response)
     );
     notes::description(shows, illustrative)
 }

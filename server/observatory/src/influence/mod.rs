@@ -14,19 +14,19 @@
 mod blended_sky;
 mod cells;
 mod correlation;
+mod measure_kernel;
 mod norms;
 mod pixels;
 mod products;
 mod ready;
 mod scales;
 mod sensitivity;
-mod zenith_kernel;
 
 pub(crate) use cells::norm_of_values;
 pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
+pub use measure_kernel::{KernelRange, place_kernel};
 pub use pixels::influence_of_pixels;
 pub use sensitivity::SeenMeasure;
-pub use zenith_kernel::{KernelRange, zenith_kernel};
 
 #[cfg(test)]
 mod tests;

@@ -1,14 +1,13 @@
 //! What a map shows, and what was found of it.
 
 use clap::ValueEnum;
-use skyglow_physics::Response;
 use skyglow_scene::{PlaceValues, Scene};
 use std::sync::Arc;
 
 /// What a map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum MapLayer {
-    /// The artificial luminance at the zenith of every place.
+    /// The artificial light of the sky over every place: at the zenith, or by `--measure`.
     Brightness,
     /// The scene's lights.
     Radiance,
@@ -20,10 +19,10 @@ pub(super) enum MapLayer {
 pub(super) struct Found {
     pub(super) scene: Arc<Scene>,
     pub(super) places: PlaceValues,
-    pub(super) unit: &'static str,
+    pub(super) unit: String,
     pub(super) description: String,
-    /// What sees the sky of a map of brightness.
-    pub(super) response: Response,
+    /// Ends of the colours of a map of brightness.
+    pub(super) colour_range: (f64, f64),
     /// JSON.
     pub(super) assumptions: String,
 }

@@ -22,8 +22,8 @@ use skyglow_app::{
     parameters::BrightnessParameters,
     request,
 };
+use skyglow_display::tile::RADIANCE_RANGE_NW_CM2_SR;
 use skyglow_observatory::BrightnessRequest;
-use skyglow_physics::Response;
 use skyglow_scene::{PatchStore, RasterMetadata, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
@@ -159,9 +159,9 @@ impl Atlas {
         Ok(Found {
             scene: Arc::clone(view.scene()),
             places: map.places().clone(),
-            unit: map.response.unit(),
-            description: brightness_shows(&map.response),
-            response: map.response.clone(),
+            unit: map.unit(),
+            description: brightness_shows(map.measure, &map.response),
+            colour_range: map.colour_range(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
         })
     }
@@ -184,14 +184,14 @@ impl Atlas {
             "version": scene.metadata().version,
             "scenario": scenario.map(ToString::to_string),
         });
-        let response = Response::Photopic;
-        let description = description.to_owned();
-        Ok(Found { places, unit, description, response, assumptions: assumptions.to_string(), scene })
+        let colour_range = RADIANCE_RANGE_NW_CM2_SR;
+        let (unit, description) = (unit.to_owned(), description.to_owned());
+        Ok(Found { places, unit, description, colour_range, assumptions: assumptions.to_string(), scene })
     }
 
     fn write_raster(&self, found: &Found) -> Result<(), Failure> {
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", found.assumptions.as_str())];
-        let words = RasterMetadata { description: &found.description, unit: found.unit, notes: &notes };
+        let words = RasterMetadata { description: &found.description, unit: &found.unit, notes: &notes };
         let bytes = found.scene.places_geotiff(&found.places, &words).map_err(Failure::work)?;
         let path = &self.output.path;
         // Whole or not there: a reader never sees half a file.

@@ -7,7 +7,6 @@ use skyglow_display::{
     Notes, notes,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
 };
-use skyglow_observatory::brightness_range;
 use skyglow_scene::{PlaceValues, Scene, tile_column, tile_pixel_m, tile_row, zoom_0_pixel_m};
 use std::{fs::File, path::Path};
 
@@ -67,7 +66,6 @@ pub(super) fn write(
     coordinates.sort_by_key(|&place| TileId::from(place).value());
     stages.begin("map tiles", coordinates.len() as u64);
     let notes = Notes::new(&description, "");
-    let range = brightness_range(&found.response);
     for place in coordinates {
         let (z, x, y) = (place.z(), place.x(), place.y());
         let tile = found.scene.places_tile(&found.places, z, x, y, TILE_PX).map_err(Failure::work)?;
@@ -76,7 +74,9 @@ pub(super) fn write(
             continue;
         }
         let png = match layer {
-            MapLayer::Brightness => brightness_tile_png(&tile.values, &tile.has_data, TILE_PX, range, &notes),
+            MapLayer::Brightness => {
+                brightness_tile_png(&tile.values, &tile.has_data, TILE_PX, found.colour_range, &notes)
+            }
             MapLayer::Radiance => radiance_tile_png(&tile.values, &tile.has_data, TILE_PX, &notes),
             MapLayer::Elevation => {
                 let pixel_m = tile_pixel_m(z, y, TILE_PX);

@@ -2,7 +2,7 @@
 
 use crate::arguments::{Outcome, turbidity};
 use skyglow_lab::setup::{observatory, open_sky};
-use skyglow_observatory::{BrightnessRequest, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, MapMeasure, SkyRequest};
 use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
 use skyglow_scene::SceneId;
 use skyglow_tables::Scattering;
@@ -29,6 +29,27 @@ pub(crate) struct Arguments {
     max_places: usize,
     /// Panoramas beside it.
     count: usize,
+    /// What of the sky.
+    #[arg(long, value_enum, default_value = "zenith")]
+    measure: Measured,
+}
+
+/// What of the sky is mapped.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Measured {
+    Zenith,
+    Mean,
+    Horizontal,
+}
+
+impl From<Measured> for MapMeasure {
+    fn from(measured: Measured) -> Self {
+        match measured {
+            Measured::Zenith => Self::Zenith,
+            Measured::Mean => Self::Mean,
+            Measured::Horizontal => Self::Horizontal,
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -40,6 +61,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         turbidity,
         scattering: Scattering::Multiple,
         lamp: LampPreset::Mixed.lamp(),
+        measure: arguments.measure.into(),
         response: Response::Photopic,
         emission: EmissionMix::garstang().into(),
         terrain_hides: arguments.terrain == "on",
@@ -75,7 +97,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let sky =
             SkyRequest { terrain_hides: request.terrain_hides, ..open_sky(id.clone(), place, turbidity) };
         let Ok(sky) = observatory.sky_blocking(&sky) else { continue };
-        let wanted = sky.quantities.zenith_luminance_cd_m2;
+        let wanted = match arguments.measure {
+            Measured::Zenith => sky.quantities.zenith_luminance_cd_m2,
+            Measured::Mean => sky.quantities.mean_luminance_cd_m2,
+            Measured::Horizontal => sky.quantities.horizontal_illuminance_lx,
+        };
         // A ten-thousandth of the natural sky.
         if wanted < 1.7e-8 {
             dark += 1;
@@ -87,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     errors.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize].0.abs();
     println!(
-        "{} places ({dark} more under 1.7e-8 cd m-2): error of the zenith {:.3} % mean, {:.3} % median, {:.3} % 90th, {:.3} % 99th, {:.3} % largest",
+        "{} places ({dark} more under 1.7e-8 cd m-2): error {:.3} % mean, {:.3} % median, {:.3} % 90th, {:.3} % 99th, {:.3} % largest",
         errors.len(),
         errors.iter().map(|error| error.0.abs()).sum::<f64>() / errors.len() as f64,
         at(0.5),

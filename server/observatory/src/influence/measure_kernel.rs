@@ -1,11 +1,11 @@
-//! What a light does to what is seen at the zenith, by altitude of the place, distance, height of the light over the place and
+//! What a light does to a measure of the open sky, by altitude of the place, distance, height of the light over the place and
 //! skyline: a table of the packs' own numbers, for sums over all lights at many places.
 
 use super::InfluenceSolver;
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT, spectrum::SpectralRule,
+    AZIMUTH_COUNT, GeoPoint, LinearMeasure, blocking::BLOCKING_COUNT, spectrum::SpectralRule,
 };
 use skyglow_render::RenderError;
 use skyglow_render::request::RenderRequest;
@@ -44,26 +44,25 @@ impl KernelRange {
 /// The table for a request's air, lamps and emission; its grid, place and altitude do not matter. The turbidity is to be one of
 /// the packs': between them skies are no sums over lights.
 ///
-/// * `rule`: what sees the light, of each light by itself: lights of different colour at the eye do not quite add up.
+/// * `measure`: what of the sky; the same whatever the azimuth of a light. `rule`: what sees the light, of each light by itself: lights of different colour at the eye do not quite add up.
 /// * `skylines`: whether lights behind skylines are to be told apart, which the packs must know.
 ///
 /// # Errors
 /// As [`InfluenceSolver::cells`].
-pub fn zenith_kernel(
+pub fn place_kernel(
     solver: &InfluenceSolver,
     request: &RenderRequest,
-    rule: &SpectralRule,
+    (measure, rule): (&LinearMeasure, &SpectralRule),
     range: &KernelRange,
     skylines: bool,
 ) -> Result<PlaceKernel, ObservatoryError> {
     let (altitudes, offsets) = (range.altitudes(), range.offsets());
     let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
-    let measure = LinearMeasure::zenith(&Horizon::flat());
     let of_altitude = |altitude: usize| {
         let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
         let polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
         let request = RenderRequest { polar: Arc::new(polar), observer_altitude_m, ..request.clone() };
-        let cells = solver.kernels(&request, &measure)?;
+        let cells = solver.kernels(&request, measure)?;
         // Cells are by offset, then ring, then blocking angle.
         let of_ring = |ring: usize| (0..offsets.count).map(move |offset| offset * RING_COUNT + ring);
         let values = (0..RING_COUNT).flat_map(of_ring).flat_map(|at| {
@@ -80,7 +79,7 @@ pub fn zenith_kernel(
     })
 }
 
-/// A grid with a watt at every ring and blocking angle, those of each offset in a column of its own: the zenith knows no azimuth.
+/// A grid with a watt at every ring and blocking angle, those of each offset in a column of its own: a measure of the open sky knows no azimuth.
 fn lights_at_every_node(observer_altitude_m: f64, offsets: UniformAxis, blocking_count: usize) -> PolarGrid {
     let mut cells = Vec::with_capacity(offsets.count * RING_COUNT * blocking_count);
     let mut azimuth_start = vec![0u32];
