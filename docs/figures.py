@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pictures of docs/guide.md that show whose light it is, what if, and what to dim, from a running server.
+"""The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
 Usage: docs/figures.py SERVER SCENE FOLDER. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil
@@ -129,7 +129,35 @@ def plan(**body):
     return ask("POST", f"{API}/scenes/{SCENE}/plans", params=OPEN, json=body).json()
 
 
+def side_by_side(name, rows):
+    """Pictures of one size without captions."""
+    gap = 4
+    width, height = rows[0][0].size
+    size = (len(rows[0]) * (width + gap) - gap, len(rows) * (height + gap) - gap)
+    whole = Image.new("RGB", size, "black")
+    for down, row in enumerate(rows):
+        for across, image in enumerate(row):
+            whole.paste(image.convert("RGB"), (across * (width + gap), down * (height + gap)))
+    whole.save(f"{FOLDER}/{name}.png", optimize=True)
+
+
+def night():
+    """Four skies as the eye sees them, and a town with two kinds of lamps for the eye and for a camera."""
+    see = lambda **params: picture(f"{API}/scenes/{SCENE}/panorama.png", legend="off", **params)
+    plain, edge = {"lat": -2.3, "lon": 36.9}, {"lat": -1.35, "lon": 36.75}
+    dome = {"style": "eye", "projection": "fisheye", "width": 400, "height_px": 400}
+    times = [(plain, "2026-08-12T19:00:00Z"), (plain, "2026-08-20T18:00:00Z"), (plain, "2026-08-12T16:10:00Z"), (edge, "2026-08-12T19:00:00Z")]
+    side_by_side("night", [[see(**place, **dome, time=time) for place, time in times]])
+    towards = {"lat": -1.45, "lon": 36.66, "projection": "perspective", "azimuth": 45, "elevation": 18, "fov": 80, "width": 640, "height_px": 400}
+    for_camera = {"style": "realistic", "exposure": -2, "sky": "total"}
+    side_by_side("lamps", [
+        [see(**towards, **style, time="2026-08-12T19:00:00Z", lamp=lamp) for lamp in ("hps", "led_4000k")]
+        for style in ({"style": "eye"}, for_camera)
+    ])
+
+
 def main():
+    night()
     scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}
     region = "20,1;65,1;65,25;20,25"
     sheet("whose-light", [[
