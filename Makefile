@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks container fuzz deny viewer
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer
 
 help: ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -43,6 +43,9 @@ faults: ## kill it, fill its disk, damage its files, starve its connections, und
 attacks: ## attack a server of its own, and measure what another user has of it (PARTS="F2 F6", SECONDS=60)
 	@cargo build --release --package skyglow
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" scripts/attacks.py --seconds $(or $(SECONDS),60) $(PARTS)
+
+package: ## a Debian package and a tarball of the program with its packs, in target/package
+	@deploy/debian/package.sh
 
 container: ## build the image's root file system without a container engine and start it as one would (as root)
 	@deploy/container/test.sh

@@ -21,7 +21,20 @@ mod table;
 mod values;
 
 use clap::Parser;
-use std::process::ExitCode;
+use skyglow_tables::{
+    celestial::manifest::{CELESTIAL_FORMAT_VERSION, CELESTIAL_MODEL_VERSION},
+    manifest::{FORMAT_VERSION, MODEL_VERSION},
+};
+use std::{process::ExitCode, sync::LazyLock};
+
+/// The program, and which packs and celestial tables it reads: those of the same format and of the same model of the air.
+static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
+    format!(
+        "{}\npacks: format {FORMAT_VERSION}, model {MODEL_VERSION}\ncelestial tables: format \
+         {CELESTIAL_FORMAT_VERSION}, model {CELESTIAL_MODEL_VERSION}",
+        env!("CARGO_PKG_VERSION")
+    )
+});
 
 /// The light pollution of the night sky from satellite pictures: what a place's sky looks like, and why.
 ///
@@ -32,6 +45,7 @@ use std::process::ExitCode;
 #[command(
     name = "skyglow",
     version,
+    long_version = LONG_VERSION.as_str(),
     after_help = "Example:\n  skyglow serve\n  then open http://127.0.0.1:8080"
 )]
 struct CommandLine {

@@ -35,7 +35,12 @@ fn help_and_version_succeed_on_standard_output() {
         assert!(own.stdout.contains("Example"), "{name}");
         assert_eq!(own.stderr, "");
     }
-    assert!(skyglow(&["--version"]).expect_status(0).stdout.starts_with("skyglow "));
+    let long = skyglow(&["--version"]).expect_status(0).stdout;
+    assert!(
+        long.starts_with("skyglow ") && long.contains("packs: format ") && long.contains("model "),
+        "{long}"
+    );
+    assert_eq!(skyglow(&["-V"]).expect_status(0).stdout.lines().count(), 1);
 }
 
 /// A night is found without scenes and packs; a date that is none is wrong usage.

@@ -28,10 +28,21 @@ pub(super) struct Unhurried;
 struct Ending {
     jobs: Arc<Jobs>,
     id: String,
+    is_answered: bool,
+}
+
+impl Ending {
+    fn answered(mut self, outcome: Outcome) {
+        self.jobs.end(&self.id, outcome);
+        self.is_answered = true;
+    }
 }
 
 impl Drop for Ending {
     fn drop(&mut self) {
+        if self.is_answered {
+            return;
+        }
         let (parts, _) = ApiError::internal("a job ended without an answer").into_response().into_parts();
         self.jobs
             .end(&self.id, Outcome { status: parts.status, headers: parts.headers, ..Outcome::default() });
@@ -54,11 +65,11 @@ pub async fn respond_async(State(state): State<AppState>, mut request: Request, 
         }
     };
     request.extensions_mut().insert(Unhurried);
-    let ending = Ending { jobs: Arc::clone(&state.jobs), id: id.clone() };
+    let ending = Ending { jobs: Arc::clone(&state.jobs), id: id.clone(), is_answered: false };
     let job = async move {
         let (parts, body) = next.run(request).await.into_parts();
         if let Ok(body) = to_bytes(body, MAX_OUTCOME_BYTES).await {
-            ending.jobs.end(&ending.id, Outcome { status: parts.status, headers: parts.headers, body });
+            ending.answered(Outcome { status: parts.status, headers: parts.headers, body });
         }
     };
     let task = tokio::spawn(Asker::new(party, work).scope(job));
