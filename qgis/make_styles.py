@@ -1,6 +1,6 @@
 """Writes the QML styles of the plugin: `python3 qgis/make_styles.py`, with the Python that has QGIS.
 
-Limits of influences are parts of a sky; the plugin multiplies them by the sky's own value. Limits of brightness are cd/m².
+Limits of influences are parts of a sky, which the plugin multiplies by the sky's value; of brightness they are cd/m².
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from qgis.core import (
 from qgis.PyQt.QtGui import QColor
 
 FOLDER = Path(__file__).parent / "skyglow" / "styles"
-# The dark reference outside the air, cd/m² (`natural` of the TileJSON of the layer brightness), and the limits of the classes
-# of the World Atlas (Falchi et al. 2016), as parts of it.
+# The dark reference outside the air, cd/m² (`natural` of the TileJSON of the layer brightness), and the limits of the
+# classes of the World Atlas (Falchi et al. 2016), as parts of it.
 NATURAL_CD_M2 = 2.2855528021820134e-4
 RATIOS = [0.01 * 2**step for step in range(13)]
 # Parts of a sky that one pixel has.
@@ -73,9 +73,9 @@ def percent(part: float) -> str:
 
 def influence() -> QgsSingleBandPseudoColorRenderer:
     """Each pixel's part in the sky: bright is much."""
-    labels = [f"below {percent(PARTS[0])} % of this sky's light"]
+    labels = ["Of this sky's light, by each pixel:"]
     labels += [f"{percent(low)}–{percent(high)} %" for low, high in zip(PARTS, PARTS[1:])]
-    labels += [f"above {percent(PARTS[-1])} %, by one pixel"]
+    labels += [f"above {percent(PARTS[-1])} %"]
     return classes(PARTS, [None, *ramp_colours("Viridis", len(PARTS), 0.08, 1)], labels)
 
 
@@ -86,7 +86,7 @@ def ratio(value: float) -> str:
 
 def brightness() -> QgsSingleBandPseudoColorRenderer:
     """Artificial light over the natural sky."""
-    labels = [f"below {ratio(RATIOS[0])} of the natural sky"]
+    labels = ["Artificial over natural light:"]
     labels += [f"{ratio(low)} – {ratio(high)}" for low, high in zip(RATIOS, RATIOS[1:])]
     labels += [f"above {ratio(RATIOS[-1])}"]
     limits = [part * NATURAL_CD_M2 for part in RATIOS]
@@ -96,7 +96,7 @@ def brightness() -> QgsSingleBandPseudoColorRenderer:
 def plan() -> QgsSingleBandPseudoColorRenderer:
     """The part of each light that goes: yellow a little, red all."""
     limits = [1e-9, 0.2, 0.4, 0.6, 0.8, 0.999999]
-    labels = ["stays", "up to 20 % goes", "20–40 %", "40–60 %", "60–80 %", "80–100 %", "all goes"]
+    labels = ["Of each light:", "up to 20 % goes", "20–40 %", "40–60 %", "60–80 %", "80–100 %", "all goes"]
     return classes(limits, [None, "#ffeda0", "#fec44f", "#fe9929", "#ec5f1e", "#cc2a1a", "#7a0016"], labels)
 
 

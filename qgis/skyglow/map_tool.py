@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsPointXY, QgsProject
+from qgis.core import Qgis, QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsPointXY, QgsProject
 from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapToolEmitPoint
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 
@@ -36,7 +36,7 @@ def to_degrees(canvas: QgsMapCanvas, point: QgsPointXY) -> QgsPointXY:
 
 def from_degrees(canvas: QgsMapCanvas, point: QgsPointXY) -> QgsPointXY:
     """A place in degrees on the map."""
-    return _degrees(canvas).transform(point, QgsCoordinateTransform.TransformDirection.ReverseTransform)
+    return _degrees(canvas).transform(point, Qgis.TransformDirection.Reverse)
 
 
 def _degrees(canvas: QgsMapCanvas) -> QgsCoordinateTransform:

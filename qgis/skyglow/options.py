@@ -7,7 +7,7 @@ from qgis.PyQt.QtGui import QIcon
 from qgis.PyQt.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
 
 from . import settings
-from .problems import Problem
+from .problems import ProblemError
 from .provider import ICON
 from .server import Server
 
@@ -76,7 +76,7 @@ class OptionsPage(QgsOptionsPageWidget):
         server = Server(entered.address, entered.key, entered.authentication)
         try:
             scenes = server.scene_ids()
-        except Problem as problem:
+        except ProblemError as problem:
             self.said.setText(problem.words())
             return
         self.said.setText(f"It answers. Its scenes: {', '.join(scenes) or 'none yet'}.")

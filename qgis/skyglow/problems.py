@@ -26,7 +26,7 @@ _HELP = {
 }
 
 
-class Problem(Exception):
+class ProblemError(Exception):
     """Why there is no answer. ``kind`` is the server's name for it, such as ``outside-scene``."""
 
     def __init__(self, status: int, document: Mapping[str, Any], retry_after_s: float | None = None) -> None:
@@ -64,12 +64,12 @@ def unknown_scene(scene: str, known: list[str]) -> str:
     return f"The server has no scene “{scene}”. {has} The default is set in {SETTINGS}."
 
 
-def unreachable(address: str, reason: str) -> Problem:
+def unreachable(address: str, reason: str) -> ProblemError:
     """No answer came at all."""
-    return Problem(0, {"type": "unreachable", "title": f"No answer from {address}", "detail": reason})
+    return ProblemError(0, {"type": "unreachable", "title": f"No answer from {address}", "detail": reason})
 
 
-def of_answer(status: int, body: bytes, retry_after: str) -> Problem:
+def of_answer(status: int, body: bytes, retry_after: str) -> ProblemError:
     """The problem that an unsuccessful answer stands for."""
     try:
         document = json.loads(body)
@@ -81,4 +81,4 @@ def of_answer(status: int, body: bytes, retry_after: str) -> Problem:
         retry_after_s = float(retry_after)
     except ValueError:
         retry_after_s = None
-    return Problem(status, document, retry_after_s)
+    return ProblemError(status, document, retry_after_s)

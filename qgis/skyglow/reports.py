@@ -26,8 +26,8 @@ def of_plan(plan: dict[str, Any], link: str) -> str:
     least = plan.get("least_flux_dnb_w")
     if least is not None:
         head += (
-            f"<p>{plan['flux_removed_dnb_w']:.0f} W of upward flux (in the satellite's band) go; no plan that does as much "
-            f"takes less than {least:.0f} W.</p>"
+            f"<p>{plan['flux_removed_dnb_w']:.0f} W of upward flux (in the satellite's band) go; no plan that does "
+            f"as much takes less than {least:.0f} W.</p>"
         )
     if scene.get("illustrative"):
         head += "<p class='no'>The scene is illustrative: made-up light, not measured.</p>"

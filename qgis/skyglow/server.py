@@ -1,4 +1,4 @@
-"""The HTTP interface of a Skyglow server, through the network settings of QGIS: its proxies, certificates and sign-ins."""
+"""The HTTP interface of a Skyglow server, through the network of QGIS: its proxies, certificates and sign-ins."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from qgis.PyQt.QtCore import QByteArray, QUrl
 from qgis.PyQt.QtNetwork import QNetworkReply, QNetworkRequest
 
 from . import problems, settings
-from .problems import Problem
+from .problems import ProblemError
 
 # Answers of these kinds are asked for again: the work goes on, or there was no room just now.
 _WAIT_FOR = {"being-made", "busy", "too-many-requests"}
@@ -22,7 +22,7 @@ _PATIENCE_S = 600.0
 _STATUS = QNetworkRequest.Attribute.HttpStatusCodeAttribute
 
 
-class Cancelled(Exception):
+class CancelledError(Exception):
     """The user no longer wants it."""
 
 
@@ -102,7 +102,7 @@ class Server:
             try:
                 said = self._send(self.request(job), None, feedback).json()
                 _pause(0.2, feedback)
-            except Cancelled:
+            except CancelledError:
                 QgsBlockingNetworkRequest().deleteResource(self.request(job))
                 raise
             if feedback is not None and said.get("progress") is not None:
@@ -116,7 +116,7 @@ class Server:
         while True:
             try:
                 return send()
-            except Problem as problem:
+            except ProblemError as problem:
                 if problem.kind not in _WAIT_FOR or time.monotonic() > end:
                     raise
                 if feedback is not None and problem.kind == "being-made":
@@ -132,7 +132,7 @@ class Server:
         else:
             outcome = sender.post(request, QByteArray(body), True, feedback)
         if feedback is not None and feedback.isCanceled():
-            raise Cancelled()
+            raise CancelledError()
         reply = sender.reply()
         status = int(reply.attribute(_STATUS) or 0)
         content = bytes(reply.content())
@@ -143,7 +143,7 @@ class Server:
         return Answer(status, content, _header(reply, b"Location"), _header(reply, b"Skyglow-Owner"))
 
 
-def problem_of(reply: QNetworkReply, address: str) -> Problem | None:
+def problem_of(reply: QNetworkReply, address: str) -> ProblemError | None:
     """Why a reply that came on its own has no answer; None where it has."""
     status = int(reply.attribute(_STATUS) or 0)
     if status == 0:
@@ -167,5 +167,5 @@ def _pause(seconds: float, feedback: QgsFeedback | None) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         if feedback is not None and feedback.isCanceled():
-            raise Cancelled()
+            raise CancelledError()
         time.sleep(0.05)

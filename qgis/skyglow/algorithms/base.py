@@ -21,15 +21,34 @@ from qgis.core import (
 )
 
 from .. import settings
-from ..problems import Problem, unknown_scene
-from ..server import Cancelled, Server
+from ..problems import ProblemError, unknown_scene
+from ..server import CancelledError, Server
 
 WGS84 = "EPSG:4326"
-LAMPS = (
-    "mixed neutral incandescent hps hps_colour_enhanced lps pc_amber led_2700k led_3000k led_4000k led_5000k led_6500k "
-    "led_hybrid led_rgb led_violet_2700k led_violet_4000k metal_halide_3000k metal_halide metal_halide_ceramic mercury "
-    "fluorescent fluorescent_three_band"
-).split()
+LAMPS = [
+    "mixed",
+    "neutral",
+    "incandescent",
+    "hps",
+    "hps_colour_enhanced",
+    "lps",
+    "pc_amber",
+    "led_2700k",
+    "led_3000k",
+    "led_4000k",
+    "led_5000k",
+    "led_6500k",
+    "led_hybrid",
+    "led_rgb",
+    "led_violet_2700k",
+    "led_violet_4000k",
+    "metal_halide_3000k",
+    "metal_halide",
+    "metal_halide_ceramic",
+    "mercury",
+    "fluorescent",
+    "fluorescent_three_band",
+]
 EMISSIONS = ["modern_city", "garstang_1986", "full_cutoff"]
 MEASURES = ["zenith", "mean", "horizontal"]
 MEASURE_WORDS = {
@@ -69,12 +88,12 @@ class SkyglowAlgorithm(QgsProcessingAlgorithm):
         """Asks, and puts problems into words."""
         try:
             return self.ask(parameters, context, feedback)
-        except Problem as problem:
+        except ProblemError as problem:
             words = problem.words()
             if problem.kind == "unknown-scene":
                 words = unknown_scene(self.scene(parameters, context), self.server(parameters, context).scene_ids())
             raise QgsProcessingException(words) from problem
-        except Cancelled:
+        except CancelledError:
             return {}
 
     def ask(

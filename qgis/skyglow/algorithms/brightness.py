@@ -29,9 +29,9 @@ class BrightnessAlgorithm(SkyglowAlgorithm):
     NAME = "brightness"
     TITLE = "Brightness of the zenith everywhere"
     HELP = (
-        "The artificial luminance of the zenith at every place of the scene (cd/m²), as a cloud-optimized GeoTIFF on the "
-        "scene's own grid, or as map tiles that the server draws. The first time takes seconds to minutes, and shows how far "
-        "it is; then the server has it."
+        "The artificial luminance of the zenith at every place of the scene (cd/m²), as a cloud-optimized GeoTIFF "
+        "on the scene's own grid, or as map tiles that the server draws. The first time takes seconds to minutes, "
+        "and shows how far it is; then the server has it."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802

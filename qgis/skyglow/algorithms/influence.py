@@ -23,8 +23,8 @@ class InfluenceAlgorithm(SkyglowAlgorithm):
     NAME = "influence"
     TITLE = "Which lights cause a sky"
     HELP = (
-        "A raster on the scene's own grid: what each lit pixel within 300 km has in the sky of the place. It is coloured by "
-        "the pixel's part in the whole. TOTAL is the sky's own value, in UNIT."
+        "A raster on the scene's own grid: what each lit pixel within 300 km has in the sky of the place. It is "
+        "coloured by the pixel's part in the whole. TOTAL is the sky's own value, in UNIT."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802

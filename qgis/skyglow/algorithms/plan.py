@@ -37,10 +37,11 @@ class PlanAlgorithm(SkyglowAlgorithm):
     NAME = "plan"
     TITLE = "Plan what to dim"
     HELP = (
-        "The least light to take away such that every site gets as much darker as it wants: a raster of the part of each "
-        "pixel's light that goes (0 to 1), and a report with every site before and after. <i>Dim only inside</i> is the area "
-        "whose lights are in your hands; <i>leave alone</i> holds lights that stay. What is out of reach is brought as near "
-        "as it can be, and the report says why. With <i>keep</i> the server stores the plan and lists it for everybody."
+        "The least light to take away such that every site gets as much darker as it wants: a raster of the part of"
+        " each pixel's light that goes (0 to 1), and a report with every site before and after. <i>Dim only "
+        "inside</i> is the area whose lights are in your hands; <i>leave alone</i> holds lights that stay. What is "
+        "out of reach is brought as near as it can be, and the report says why. With <i>keep</i> the server stores "
+        "the plan and lists it for everybody."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802

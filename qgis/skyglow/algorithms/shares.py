@@ -32,8 +32,8 @@ class SharesAlgorithm(SkyglowAlgorithm):
     HELP = (
         "The layer of polygons again, each with its part in the artificial light of the place's sky: "
         "<i>share_percent</i>, <i>influence</i> in the measure's unit, <i>flux_dnb_w</i> (upward flux) and lit "
-        "<i>pixels</i>. OUTSIDE is the share of lights in none of them; shares of areas that do not overlap and OUTSIDE add "
-        "up to 100 %."
+        "<i>pixels</i>. OUTSIDE is the share of lights in none of them; shares of areas that do not overlap and "
+        "OUTSIDE add up to 100 %."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802

@@ -76,11 +76,11 @@ class SkyAlgorithm(SkyglowAlgorithm):
     NAME = "sky"
     TITLE = "Sky at points"
     HELP = (
-        "How bright the night sky is over each point: total brightness of the zenith (mag/arcsec²), artificial light over "
-        "natural, Bortle class, the faintest star that the eye sees, light on the ground (lx), and more. Takes a layer of "
-        "points, or one place; other geometries count by a point on them. Without a time the natural sky is a dark one: no "
-        "Moon, no twilight. A point that cannot be answered, such as one outside the scene, says why in its field "
-        "<i>problem</i>."
+        "How bright the night sky is over each point: total brightness of the zenith (mag/arcsec²), artificial "
+        "light over natural, Bortle class, the faintest star that the eye sees, light on the ground (lx), and more."
+        " Takes a layer of points, or one place; other geometries count by a point on them. Without a time the "
+        "natural sky is a dark one: no Moon, no twilight. A point that cannot be answered, such as one outside the "
+        "scene, says why in its field <i>problem</i>."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802

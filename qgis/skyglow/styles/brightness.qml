@@ -2,16 +2,16 @@
 <qgis version="3.22.16-Białowieża" styleCategories="Symbology|Labeling">
   <pipe-data-defined-properties>
     <Option type="Map">
-      <Option value="" type="QString" name="name"/>
+      <Option type="QString" value="" name="name"/>
       <Option name="properties"/>
-      <Option value="collection" type="QString" name="type"/>
+      <Option type="QString" value="collection" name="type"/>
     </Option>
   </pipe-data-defined-properties>
   <pipe>
     <provider>
-      <resampling maxOversampling="2" enabled="false" zoomedInResamplingMethod="nearestNeighbour" zoomedOutResamplingMethod="nearestNeighbour"/>
+      <resampling enabled="false" zoomedInResamplingMethod="nearestNeighbour" maxOversampling="2" zoomedOutResamplingMethod="nearestNeighbour"/>
     </provider>
-    <rasterrenderer nodataColor="" type="singlebandpseudocolor" alphaBand="-1" band="1" opacity="0.85" classificationMax="0.00936162427773753" classificationMin="0">
+    <rasterrenderer opacity="0.85" band="1" type="singlebandpseudocolor" alphaBand="-1" classificationMax="0.00936162427773753" classificationMin="0" nodataColor="">
       <minMaxOrigin>
         <limits>None</limits>
         <extent>WholeRaster</extent>
@@ -21,39 +21,39 @@
         <stdDevFactor>2</stdDevFactor>
       </minMaxOrigin>
       <rastershader>
-        <colorrampshader maximumValue="0.0093616242777375264" minimumValue="0" labelPrecision="6" colorRampType="DISCRETE" classificationMode="1" clip="0">
-          <item value="2.28555280218201e-06" label="below 1 % of the natural sky" alpha="0" color="#000000"/>
-          <item value="4.57110560436403e-06" label="1 % – 2 %" alpha="255" color="#0d0887"/>
-          <item value="9.14221120872805e-06" label="2 % – 4 %" alpha="255" color="#3a049b"/>
-          <item value="1.82844224174561e-05" label="4 % – 8 %" alpha="255" color="#5d01a6"/>
-          <item value="3.65688448349122e-05" label="8 % – 16 %" alpha="255" color="#7e03a8"/>
-          <item value="7.31376896698244e-05" label="16 % – 32 %" alpha="255" color="#9c179e"/>
-          <item value="0.000146275379339649" label="32 % – 64 %" alpha="255" color="#b52f8c"/>
-          <item value="0.000292550758679298" label="64 % – 1.3 ×" alpha="255" color="#cb4778"/>
-          <item value="0.000585101517358595" label="1.3 × – 2.6 ×" alpha="255" color="#dd6065"/>
-          <item value="0.00117020303471719" label="2.6 × – 5.1 ×" alpha="255" color="#ed7953"/>
-          <item value="0.00234040606943438" label="5.1 × – 10.2 ×" alpha="255" color="#f89541"/>
-          <item value="0.00468081213886876" label="10.2 × – 20.5 ×" alpha="255" color="#feb32f"/>
-          <item value="0.00936162427773753" label="20.5 × – 41 ×" alpha="255" color="#fbd524"/>
-          <item value="inf" label="above 41 ×" alpha="255" color="#f0f921"/>
-          <rampLegendSettings prefix="" maximumLabel="" suffix="" direction="0" minimumLabel="" orientation="2" useContinuousLegend="1">
+        <colorrampshader maximumValue="0.0093616242777375264" clip="0" colorRampType="DISCRETE" minimumValue="0" labelPrecision="6" classificationMode="1">
+          <item color="#000000" value="2.28555280218201e-06" alpha="0" label="Artificial over natural light:"/>
+          <item color="#0d0887" value="4.57110560436403e-06" alpha="255" label="1 % – 2 %"/>
+          <item color="#3a049b" value="9.14221120872805e-06" alpha="255" label="2 % – 4 %"/>
+          <item color="#5d01a6" value="1.82844224174561e-05" alpha="255" label="4 % – 8 %"/>
+          <item color="#7e03a8" value="3.65688448349122e-05" alpha="255" label="8 % – 16 %"/>
+          <item color="#9c179e" value="7.31376896698244e-05" alpha="255" label="16 % – 32 %"/>
+          <item color="#b52f8c" value="0.000146275379339649" alpha="255" label="32 % – 64 %"/>
+          <item color="#cb4778" value="0.000292550758679298" alpha="255" label="64 % – 1.3 ×"/>
+          <item color="#dd6065" value="0.000585101517358595" alpha="255" label="1.3 × – 2.6 ×"/>
+          <item color="#ed7953" value="0.00117020303471719" alpha="255" label="2.6 × – 5.1 ×"/>
+          <item color="#f89541" value="0.00234040606943438" alpha="255" label="5.1 × – 10.2 ×"/>
+          <item color="#feb32f" value="0.00468081213886876" alpha="255" label="10.2 × – 20.5 ×"/>
+          <item color="#fbd524" value="0.00936162427773753" alpha="255" label="20.5 × – 41 ×"/>
+          <item color="#f0f921" value="inf" alpha="255" label="above 41 ×"/>
+          <rampLegendSettings minimumLabel="" orientation="2" useContinuousLegend="1" maximumLabel="" direction="0" suffix="" prefix="">
             <numericFormat id="basic">
               <Option type="Map">
-                <Option value="" type="QChar" name="decimal_separator"/>
-                <Option value="6" type="int" name="decimals"/>
-                <Option value="0" type="int" name="rounding_type"/>
-                <Option value="false" type="bool" name="show_plus"/>
-                <Option value="true" type="bool" name="show_thousand_separator"/>
-                <Option value="false" type="bool" name="show_trailing_zeros"/>
-                <Option value="" type="QChar" name="thousand_separator"/>
+                <Option type="QChar" value="" name="decimal_separator"/>
+                <Option type="int" value="6" name="decimals"/>
+                <Option type="int" value="0" name="rounding_type"/>
+                <Option type="bool" value="false" name="show_plus"/>
+                <Option type="bool" value="true" name="show_thousand_separator"/>
+                <Option type="bool" value="false" name="show_trailing_zeros"/>
+                <Option type="QChar" value="" name="thousand_separator"/>
               </Option>
             </numericFormat>
           </rampLegendSettings>
         </colorrampshader>
       </rastershader>
     </rasterrenderer>
-    <brightnesscontrast gamma="1" brightness="0" contrast="0"/>
-    <huesaturation colorizeBlue="128" grayscaleMode="0" invertColors="0" colorizeStrength="100" colorizeRed="255" saturation="0" colorizeGreen="128" colorizeOn="0"/>
+    <brightnesscontrast contrast="0" brightness="0" gamma="1"/>
+    <huesaturation grayscaleMode="0" invertColors="0" saturation="0" colorizeRed="255" colorizeOn="0" colorizeStrength="100" colorizeGreen="128" colorizeBlue="128"/>
     <rasterresampler maxOversampling="2"/>
     <resamplingStage>resamplingFilter</resamplingStage>
   </pipe>

@@ -2,16 +2,16 @@
 <qgis version="3.22.16-Białowieża" styleCategories="Symbology|Labeling">
   <pipe-data-defined-properties>
     <Option type="Map">
-      <Option value="" type="QString" name="name"/>
+      <Option type="QString" value="" name="name"/>
       <Option name="properties"/>
-      <Option value="collection" type="QString" name="type"/>
+      <Option type="QString" value="collection" name="type"/>
     </Option>
   </pipe-data-defined-properties>
   <pipe>
     <provider>
-      <resampling maxOversampling="2" enabled="false" zoomedInResamplingMethod="nearestNeighbour" zoomedOutResamplingMethod="nearestNeighbour"/>
+      <resampling enabled="false" zoomedInResamplingMethod="nearestNeighbour" maxOversampling="2" zoomedOutResamplingMethod="nearestNeighbour"/>
     </provider>
-    <rasterrenderer nodataColor="" type="singlebandpseudocolor" alphaBand="-1" band="1" opacity="0.85" classificationMax="0.999999" classificationMin="0">
+    <rasterrenderer opacity="0.85" band="1" type="singlebandpseudocolor" alphaBand="-1" classificationMax="0.999999" classificationMin="0" nodataColor="">
       <minMaxOrigin>
         <limits>None</limits>
         <extent>WholeRaster</extent>
@@ -21,32 +21,32 @@
         <stdDevFactor>2</stdDevFactor>
       </minMaxOrigin>
       <rastershader>
-        <colorrampshader maximumValue="0.99999899999999997" minimumValue="0" labelPrecision="6" colorRampType="DISCRETE" classificationMode="1" clip="0">
-          <item value="1e-09" label="stays" alpha="0" color="#000000"/>
-          <item value="0.2" label="up to 20 % goes" alpha="255" color="#ffeda0"/>
-          <item value="0.4" label="20–40 %" alpha="255" color="#fec44f"/>
-          <item value="0.6" label="40–60 %" alpha="255" color="#fe9929"/>
-          <item value="0.8" label="60–80 %" alpha="255" color="#ec5f1e"/>
-          <item value="0.999999" label="80–100 %" alpha="255" color="#cc2a1a"/>
-          <item value="inf" label="all goes" alpha="255" color="#7a0016"/>
-          <rampLegendSettings prefix="" maximumLabel="" suffix="" direction="0" minimumLabel="" orientation="2" useContinuousLegend="1">
+        <colorrampshader maximumValue="0.99999899999999997" clip="0" colorRampType="DISCRETE" minimumValue="0" labelPrecision="6" classificationMode="1">
+          <item color="#000000" value="1e-09" alpha="0" label="Of each light:"/>
+          <item color="#ffeda0" value="0.2" alpha="255" label="up to 20 % goes"/>
+          <item color="#fec44f" value="0.4" alpha="255" label="20–40 %"/>
+          <item color="#fe9929" value="0.6" alpha="255" label="40–60 %"/>
+          <item color="#ec5f1e" value="0.8" alpha="255" label="60–80 %"/>
+          <item color="#cc2a1a" value="0.999999" alpha="255" label="80–100 %"/>
+          <item color="#7a0016" value="inf" alpha="255" label="all goes"/>
+          <rampLegendSettings minimumLabel="" orientation="2" useContinuousLegend="1" maximumLabel="" direction="0" suffix="" prefix="">
             <numericFormat id="basic">
               <Option type="Map">
-                <Option value="" type="QChar" name="decimal_separator"/>
-                <Option value="6" type="int" name="decimals"/>
-                <Option value="0" type="int" name="rounding_type"/>
-                <Option value="false" type="bool" name="show_plus"/>
-                <Option value="true" type="bool" name="show_thousand_separator"/>
-                <Option value="false" type="bool" name="show_trailing_zeros"/>
-                <Option value="" type="QChar" name="thousand_separator"/>
+                <Option type="QChar" value="" name="decimal_separator"/>
+                <Option type="int" value="6" name="decimals"/>
+                <Option type="int" value="0" name="rounding_type"/>
+                <Option type="bool" value="false" name="show_plus"/>
+                <Option type="bool" value="true" name="show_thousand_separator"/>
+                <Option type="bool" value="false" name="show_trailing_zeros"/>
+                <Option type="QChar" value="" name="thousand_separator"/>
               </Option>
             </numericFormat>
           </rampLegendSettings>
         </colorrampshader>
       </rastershader>
     </rasterrenderer>
-    <brightnesscontrast gamma="1" brightness="0" contrast="0"/>
-    <huesaturation colorizeBlue="128" grayscaleMode="0" invertColors="0" colorizeStrength="100" colorizeRed="255" saturation="0" colorizeGreen="128" colorizeOn="0"/>
+    <brightnesscontrast contrast="0" brightness="0" gamma="1"/>
+    <huesaturation grayscaleMode="0" invertColors="0" saturation="0" colorizeRed="255" colorizeOn="0" colorizeStrength="100" colorizeGreen="128" colorizeBlue="128"/>
     <rasterresampler maxOversampling="2"/>
     <resamplingStage>resamplingFilter</resamplingStage>
   </pipe>
