@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+# The order of attributes in a file is that of a hash, the same in every run with this.
+os.environ.setdefault("QT_HASH_SEED", "0")
 
 from osgeo import gdal
 from qgis.core import (
@@ -125,15 +127,15 @@ def points(layer: QgsVectorLayer, expression: str) -> None:
     """Points by Bortle's class."""
     colours = ["#101020", "#2b2b60", "#2050b0", "#20a060", "#e0d030", "#f09020", "#e04020", "#f0a0a0", "#ffffff"]
     words = [
-        "pristine",
-        "dark",
-        "rural",
-        "edge of rural",
-        "suburban",
-        "bright suburban",
-        "edge of town",
-        "town",
-        "inner city",
+        "excellent dark site",
+        "typical dark site",
+        "rural sky",
+        "rural to suburban",
+        "suburban sky",
+        "bright suburban sky",
+        "suburban to urban",
+        "city sky",
+        "inner-city sky",
     ]
     found = [
         QgsRendererCategory(number, circle(colour), f"Bortle {number}: {word}")

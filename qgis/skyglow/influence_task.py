@@ -47,7 +47,7 @@ class InfluenceTask:
         context, feedback = QgsProcessingContext(), _Heard()
         context.setProject(QgsProject.instance())
         task = QgsProcessingAlgRunnerTask(algorithm, parameters, context, feedback)
-        name = f"Lights behind the sky at {latitude_deg:.4f}, {longitude_deg:.4f}"
+        name = f"Lights behind {latitude_deg:.4f}, {longitude_deg:.4f}"
         task.executed.connect(lambda is_done, results: self._ended(is_done, results, name))
         self.held = (algorithm, context, feedback, task)
         QgsApplication.taskManager().addTask(task)

@@ -28,7 +28,7 @@ from qgis.utils import iface, plugins
 
 PLACE = (46.53, 8.61)
 # From Zurich to Milan in the projection of web maps, metres.
-EXTENT = QgsRectangle(800_000, 5_600_000, 1_130_000, 6_000_000)
+EXTENT = QgsRectangle(820_000, 5_600_000, 1_110_000, 6_000_000)
 
 
 def wait_for(what: str, is_there: Callable[[], object], seconds: float = 60) -> None:
@@ -64,10 +64,10 @@ def base_layer(server: str) -> None:
     layer.hueSaturationFilter().setSaturation(-75)
     layer.brightnessFilter().setBrightness(-50)
     QgsProject.instance().addMapLayer(layer)
-    # The first layer of a project sets the extent, a little later.
-    QgsApplication.processEvents()
+    # The first layer of a project sets the extent, some time later.
+    end = time.monotonic() + 2
+    wait_for("first extent", lambda: time.monotonic() > end)
     iface.mapCanvas().setExtent(EXTENT)
-    wait_for("extent", lambda: iface.mapCanvas().extent().width() < 2 * EXTENT.width())
     iface.mapCanvas().refresh()
 
 
@@ -94,7 +94,7 @@ def look() -> dict[str, object]:
     base_layer(os.environ["SKYGLOW_URL"])
     said["algorithms"] = sorted(algorithm.id() for algorithm in plugin.provider.algorithms())
     plugin.action.trigger()
-    window.resizeDocks([window.findChild(QDockWidget, "Layers"), dock], [270, 330], Qt.Orientation.Horizontal)
+    window.resizeDocks([window.findChild(QDockWidget, "Layers"), dock], [320, 330], Qt.Orientation.Horizontal)
     said["tool"] = iface.mapCanvas().mapTool() is plugin.tool
 
     click(*PLACE)

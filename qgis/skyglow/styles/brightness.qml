@@ -2,16 +2,16 @@
 <qgis version="3.22.16-Białowieża" styleCategories="Symbology|Labeling">
   <pipe-data-defined-properties>
     <Option type="Map">
-      <Option type="QString" value="" name="name"/>
+      <Option type="QString" name="name" value=""/>
       <Option name="properties"/>
-      <Option type="QString" value="collection" name="type"/>
+      <Option type="QString" name="type" value="collection"/>
     </Option>
   </pipe-data-defined-properties>
   <pipe>
     <provider>
-      <resampling enabled="false" zoomedInResamplingMethod="nearestNeighbour" maxOversampling="2" zoomedOutResamplingMethod="nearestNeighbour"/>
+      <resampling zoomedInResamplingMethod="nearestNeighbour" zoomedOutResamplingMethod="nearestNeighbour" enabled="false" maxOversampling="2"/>
     </provider>
-    <rasterrenderer opacity="0.85" band="1" type="singlebandpseudocolor" alphaBand="-1" classificationMax="0.00936162427773753" classificationMin="0" nodataColor="">
+    <rasterrenderer type="singlebandpseudocolor" band="1" classificationMin="0" classificationMax="0.00936162427773753" alphaBand="-1" opacity="0.85" nodataColor="">
       <minMaxOrigin>
         <limits>None</limits>
         <extent>WholeRaster</extent>
@@ -21,39 +21,39 @@
         <stdDevFactor>2</stdDevFactor>
       </minMaxOrigin>
       <rastershader>
-        <colorrampshader maximumValue="0.0093616242777375264" clip="0" colorRampType="DISCRETE" minimumValue="0" labelPrecision="6" classificationMode="1">
-          <item color="#000000" value="2.28555280218201e-06" alpha="0" label="Artificial over natural light:"/>
-          <item color="#0d0887" value="4.57110560436403e-06" alpha="255" label="1 % – 2 %"/>
-          <item color="#3a049b" value="9.14221120872805e-06" alpha="255" label="2 % – 4 %"/>
-          <item color="#5d01a6" value="1.82844224174561e-05" alpha="255" label="4 % – 8 %"/>
-          <item color="#7e03a8" value="3.65688448349122e-05" alpha="255" label="8 % – 16 %"/>
-          <item color="#9c179e" value="7.31376896698244e-05" alpha="255" label="16 % – 32 %"/>
-          <item color="#b52f8c" value="0.000146275379339649" alpha="255" label="32 % – 64 %"/>
-          <item color="#cb4778" value="0.000292550758679298" alpha="255" label="64 % – 1.3 ×"/>
-          <item color="#dd6065" value="0.000585101517358595" alpha="255" label="1.3 × – 2.6 ×"/>
-          <item color="#ed7953" value="0.00117020303471719" alpha="255" label="2.6 × – 5.1 ×"/>
-          <item color="#f89541" value="0.00234040606943438" alpha="255" label="5.1 × – 10.2 ×"/>
-          <item color="#feb32f" value="0.00468081213886876" alpha="255" label="10.2 × – 20.5 ×"/>
-          <item color="#fbd524" value="0.00936162427773753" alpha="255" label="20.5 × – 41 ×"/>
-          <item color="#f0f921" value="inf" alpha="255" label="above 41 ×"/>
-          <rampLegendSettings minimumLabel="" orientation="2" useContinuousLegend="1" maximumLabel="" direction="0" suffix="" prefix="">
+        <colorrampshader clip="0" minimumValue="0" maximumValue="0.0093616242777375264" colorRampType="DISCRETE" classificationMode="1" labelPrecision="6">
+          <item alpha="0" value="2.28555280218201e-06" color="#000000" label="Artificial over natural light:"/>
+          <item alpha="255" value="4.57110560436403e-06" color="#0d0887" label="1 % – 2 %"/>
+          <item alpha="255" value="9.14221120872805e-06" color="#3a049b" label="2 % – 4 %"/>
+          <item alpha="255" value="1.82844224174561e-05" color="#5d01a6" label="4 % – 8 %"/>
+          <item alpha="255" value="3.65688448349122e-05" color="#7e03a8" label="8 % – 16 %"/>
+          <item alpha="255" value="7.31376896698244e-05" color="#9c179e" label="16 % – 32 %"/>
+          <item alpha="255" value="0.000146275379339649" color="#b52f8c" label="32 % – 64 %"/>
+          <item alpha="255" value="0.000292550758679298" color="#cb4778" label="64 % – 1.3 ×"/>
+          <item alpha="255" value="0.000585101517358595" color="#dd6065" label="1.3 × – 2.6 ×"/>
+          <item alpha="255" value="0.00117020303471719" color="#ed7953" label="2.6 × – 5.1 ×"/>
+          <item alpha="255" value="0.00234040606943438" color="#f89541" label="5.1 × – 10.2 ×"/>
+          <item alpha="255" value="0.00468081213886876" color="#feb32f" label="10.2 × – 20.5 ×"/>
+          <item alpha="255" value="0.00936162427773753" color="#fbd524" label="20.5 × – 41 ×"/>
+          <item alpha="255" value="inf" color="#f0f921" label="above 41 ×"/>
+          <rampLegendSettings suffix="" prefix="" useContinuousLegend="1" minimumLabel="" orientation="2" maximumLabel="" direction="0">
             <numericFormat id="basic">
               <Option type="Map">
-                <Option type="QChar" value="" name="decimal_separator"/>
-                <Option type="int" value="6" name="decimals"/>
-                <Option type="int" value="0" name="rounding_type"/>
-                <Option type="bool" value="false" name="show_plus"/>
-                <Option type="bool" value="true" name="show_thousand_separator"/>
-                <Option type="bool" value="false" name="show_trailing_zeros"/>
-                <Option type="QChar" value="" name="thousand_separator"/>
+                <Option type="QChar" name="decimal_separator" value=""/>
+                <Option type="int" name="decimals" value="6"/>
+                <Option type="int" name="rounding_type" value="0"/>
+                <Option type="bool" name="show_plus" value="false"/>
+                <Option type="bool" name="show_thousand_separator" value="true"/>
+                <Option type="bool" name="show_trailing_zeros" value="false"/>
+                <Option type="QChar" name="thousand_separator" value=""/>
               </Option>
             </numericFormat>
           </rampLegendSettings>
         </colorrampshader>
       </rastershader>
     </rasterrenderer>
-    <brightnesscontrast contrast="0" brightness="0" gamma="1"/>
-    <huesaturation grayscaleMode="0" invertColors="0" saturation="0" colorizeRed="255" colorizeOn="0" colorizeStrength="100" colorizeGreen="128" colorizeBlue="128"/>
+    <brightnesscontrast brightness="0" contrast="0" gamma="1"/>
+    <huesaturation saturation="0" colorizeGreen="128" colorizeBlue="128" colorizeStrength="100" colorizeRed="255" invertColors="0" grayscaleMode="0" colorizeOn="0"/>
     <rasterresampler maxOversampling="2"/>
     <resamplingStage>resamplingFilter</resamplingStage>
   </pipe>

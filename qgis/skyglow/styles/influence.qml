@@ -2,16 +2,16 @@
 <qgis version="3.22.16-Białowieża" styleCategories="Symbology|Labeling">
   <pipe-data-defined-properties>
     <Option type="Map">
-      <Option type="QString" value="" name="name"/>
+      <Option type="QString" name="name" value=""/>
       <Option name="properties"/>
-      <Option type="QString" value="collection" name="type"/>
+      <Option type="QString" name="type" value="collection"/>
     </Option>
   </pipe-data-defined-properties>
   <pipe>
     <provider>
-      <resampling enabled="false" zoomedInResamplingMethod="nearestNeighbour" maxOversampling="2" zoomedOutResamplingMethod="nearestNeighbour"/>
+      <resampling zoomedInResamplingMethod="nearestNeighbour" zoomedOutResamplingMethod="nearestNeighbour" enabled="false" maxOversampling="2"/>
     </provider>
-    <rasterrenderer opacity="0.85" band="1" type="singlebandpseudocolor" alphaBand="-1" classificationMax="0.01" classificationMin="0" nodataColor="">
+    <rasterrenderer type="singlebandpseudocolor" band="1" classificationMin="0" classificationMax="0.01" alphaBand="-1" opacity="0.85" nodataColor="">
       <minMaxOrigin>
         <limits>None</limits>
         <extent>WholeRaster</extent>
@@ -21,34 +21,34 @@
         <stdDevFactor>2</stdDevFactor>
       </minMaxOrigin>
       <rastershader>
-        <colorrampshader maximumValue="0.01" clip="0" colorRampType="DISCRETE" minimumValue="0" labelPrecision="6" classificationMode="1">
-          <item color="#000000" value="1e-06" alpha="0" label="Of this sky's light, by each pixel:"/>
-          <item color="#481e6f" value="1e-05" alpha="255" label="0.0001–0.001 %"/>
-          <item color="#3f4789" value="3e-05" alpha="255" label="0.001–0.003 %"/>
-          <item color="#306a8e" value="0.0001" alpha="255" label="0.003–0.01 %"/>
-          <item color="#238a8e" value="0.0003" alpha="255" label="0.01–0.03 %"/>
-          <item color="#24a983" value="0.001" alpha="255" label="0.03–0.1 %"/>
-          <item color="#56c666" value="0.003" alpha="255" label="0.1–0.3 %"/>
-          <item color="#a6db35" value="0.01" alpha="255" label="0.3–1 %"/>
-          <item color="#fde725" value="inf" alpha="255" label="above 1 %"/>
-          <rampLegendSettings minimumLabel="" orientation="2" useContinuousLegend="1" maximumLabel="" direction="0" suffix="" prefix="">
+        <colorrampshader clip="0" minimumValue="0" maximumValue="0.01" colorRampType="DISCRETE" classificationMode="1" labelPrecision="6">
+          <item alpha="0" value="1e-06" color="#000000" label="Of this sky's light, by each pixel:"/>
+          <item alpha="255" value="1e-05" color="#481e6f" label="0.0001–0.001 %"/>
+          <item alpha="255" value="3e-05" color="#3f4789" label="0.001–0.003 %"/>
+          <item alpha="255" value="0.0001" color="#306a8e" label="0.003–0.01 %"/>
+          <item alpha="255" value="0.0003" color="#238a8e" label="0.01–0.03 %"/>
+          <item alpha="255" value="0.001" color="#24a983" label="0.03–0.1 %"/>
+          <item alpha="255" value="0.003" color="#56c666" label="0.1–0.3 %"/>
+          <item alpha="255" value="0.01" color="#a6db35" label="0.3–1 %"/>
+          <item alpha="255" value="inf" color="#fde725" label="above 1 %"/>
+          <rampLegendSettings suffix="" prefix="" useContinuousLegend="1" minimumLabel="" orientation="2" maximumLabel="" direction="0">
             <numericFormat id="basic">
               <Option type="Map">
-                <Option type="QChar" value="" name="decimal_separator"/>
-                <Option type="int" value="6" name="decimals"/>
-                <Option type="int" value="0" name="rounding_type"/>
-                <Option type="bool" value="false" name="show_plus"/>
-                <Option type="bool" value="true" name="show_thousand_separator"/>
-                <Option type="bool" value="false" name="show_trailing_zeros"/>
-                <Option type="QChar" value="" name="thousand_separator"/>
+                <Option type="QChar" name="decimal_separator" value=""/>
+                <Option type="int" name="decimals" value="6"/>
+                <Option type="int" name="rounding_type" value="0"/>
+                <Option type="bool" name="show_plus" value="false"/>
+                <Option type="bool" name="show_thousand_separator" value="true"/>
+                <Option type="bool" name="show_trailing_zeros" value="false"/>
+                <Option type="QChar" name="thousand_separator" value=""/>
               </Option>
             </numericFormat>
           </rampLegendSettings>
         </colorrampshader>
       </rastershader>
     </rasterrenderer>
-    <brightnesscontrast contrast="0" brightness="0" gamma="1"/>
-    <huesaturation grayscaleMode="0" invertColors="0" saturation="0" colorizeRed="255" colorizeOn="0" colorizeStrength="100" colorizeGreen="128" colorizeBlue="128"/>
+    <brightnesscontrast brightness="0" contrast="0" gamma="1"/>
+    <huesaturation saturation="0" colorizeGreen="128" colorizeBlue="128" colorizeStrength="100" colorizeRed="255" invertColors="0" grayscaleMode="0" colorizeOn="0"/>
     <rasterresampler maxOversampling="2"/>
     <resamplingStage>resamplingFilter</resamplingStage>
   </pipe>
