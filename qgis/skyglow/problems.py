@@ -39,7 +39,8 @@ class ProblemError(Exception):
 
     def words(self) -> str:
         """Sentences that say what is wrong and what to do."""
-        detail = str(self.document.get("detail", "")).strip()
+        # What a program would send instead helps nobody here.
+        detail = "" if self.kind == "unauthorized" else str(self.document.get("detail", "")).strip()
         sentences = [_sentence(str(self.document.get("title", f"The server answered {self.status}")))]
         errors = self.document.get("errors") or []
         if detail:

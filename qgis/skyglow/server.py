@@ -78,6 +78,17 @@ class Server:
         """The answer of an address; waits, with progress, for what is being made."""
         return self._patiently(lambda: self._send(self.request(url), None, feedback), feedback)
 
+    def when_ready(self, url: str, feedback: QgsFeedback | None = None) -> Any:
+        """TileJSON once what it describes is found, with progress until then; after some minutes as it is."""
+        end = time.monotonic() + _PATIENCE_S
+        while True:
+            described = self.get(url, feedback).json()
+            if described["ready"] or time.monotonic() > end:
+                return described
+            if feedback is not None:
+                feedback.setProgress(100 * (described.get("progress") or 0.0))
+            _pause(0.5, feedback)
+
     def scene_ids(self) -> list[str]:
         """The scenes that the server has."""
         return [scene["id"] for scene in self.get(self.url("/api/v1/scenes")).json()]

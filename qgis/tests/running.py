@@ -26,21 +26,23 @@ PLACE = (46.53, 8.61)
 POINT = f"{PLACE[1]},{PLACE[0]} [EPSG:4326]"
 
 
-def environment() -> dict[str, str]:
+def environment(key: str = "") -> dict[str, str]:
     """The environment of a QGIS with the plugin and the server's address, and with nothing of this user's."""
-    settings = PROFILE / "profiles/default/QGIS/QGIS3.ini"
+    profile = PROFILE / (key or "without-key")
+    settings = profile / "profiles/default/QGIS/QGIS3.ini"
     settings.parent.mkdir(parents=True, exist_ok=True)
     if not settings.exists():
-        settings.write_text(f"[skyglow]\naddress={SERVER}\n\n[PythonPlugins]\nskyglow=true\nprocessing=true\n")
-    own = {"QGIS_CUSTOM_CONFIG_PATH": str(PROFILE), "QGIS_PLUGINPATH": PLUGINS, "PYTHONDONTWRITEBYTECODE": "1"}
+        own_settings = f"[skyglow]\naddress={SERVER}\nkey={key}\n\n[PythonPlugins]\nskyglow=true\nprocessing=true\n"
+        settings.write_text(own_settings)
+    own = {"QGIS_CUSTOM_CONFIG_PATH": str(profile), "QGIS_PLUGINPATH": PLUGINS, "PYTHONDONTWRITEBYTECODE": "1"}
     return {**os.environ, **own}
 
 
-def qgis_process(*arguments: str) -> subprocess.CompletedProcess[str]:
+def qgis_process(*arguments: str, key: str = "") -> subprocess.CompletedProcess[str]:
     """Runs qgis_process without a window."""
     command = [QGIS_PROCESS, *arguments]
-    without_window = {**environment(), "QT_QPA_PLATFORM": "offscreen"}
-    return subprocess.run(command, env=without_window, capture_output=True, text=True, timeout=300, check=False)
+    without_window = {**environment(key), "QT_QPA_PLATFORM": "offscreen"}
+    return subprocess.run(command, env=without_window, capture_output=True, text=True, timeout=900, check=False)
 
 
 def api(path: str, query: dict[str, Any] | None = None, body: Any = None) -> Any:
@@ -65,9 +67,10 @@ class WithFolder(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr + run.stdout)
         return json.loads(run.stdout)["results"]
 
-    def failure(self, name: str, **parameters: Any) -> str:
+    def failure(self, name: str, key: str = "", **parameters: Any) -> str:
         """What an algorithm says that cannot do what it was asked."""
-        run = qgis_process("run", f"skyglow:{name}", *(f"--{key}={parameters[key]}" for key in parameters))
+        asked = [f"--{parameter}={value}" for parameter, value in parameters.items()]
+        run = qgis_process("run", f"skyglow:{name}", *asked, key=key)
         self.assertNotEqual(run.returncode, 0, run.stdout)
         return run.stderr + run.stdout
 

@@ -207,6 +207,7 @@ class Problems(WithFolder):
         self.assertIn("It has: demo.", self.failure("influence", SCENE="atlantis", **asked))
         outside = {**asked, "POINT": "100,10 [EPSG:4326]"}
         self.assertIn("Choose a place within the scene", self.failure("influence", **outside))
+        self.assertIn("Check the API key", self.failure("influence", key="nobodys", **asked))
         said = self.failure("influence", QUERY="turbidity=50", **asked)
         self.assertIn("allowed: 1.5 to 6", said)
         self.assertNotIn("Traceback", said)

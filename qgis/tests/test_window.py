@@ -20,11 +20,12 @@ class Window(unittest.TestCase):
     def setUpClass(cls) -> None:
         said = PROFILE / "said.json"
         own = {**environment(), "SKYGLOW_QGIS_SAID": str(said)}
+        profiles = own["QGIS_CUSTOM_CONFIG_PATH"]
         own.pop("QT_QPA_PLATFORM", None)
         qgis = shutil.which("qgis.bin") or "qgis"
         script = str(Path(__file__).with_name("gui.py"))
         command = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1400x900x24", qgis, "--noversioncheck"]
-        command += ["--nologo", "--profiles-path", str(PROFILE), "--code", script]
+        command += ["--nologo", "--profiles-path", profiles, "--code", script]
         run = subprocess.run(command, env=own, capture_output=True, text=True, timeout=300, check=False)
         assert said.exists(), run.stdout + run.stderr
         cls.said = json.loads(said.read_text())

@@ -47,33 +47,25 @@ class BrightnessAlgorithm(SkyglowAlgorithm):
         """Asks for the file, or for the tiles once they are ready."""
         server, scene = self.server(parameters, context), self.scene(parameters, context)
         query = self.query(parameters, context)
-        # The file tells how far the map is; tiles are of the same map.
-        url = server.scene_url(scene, "/layers/brightness.tif", query)
-        answer = server.get(url, feedback)
+        # The file is of the same map as the tiles, whose description says how far that is.
+        described = server.when_ready(server.scene_url(scene, "/tiles/brightness/tilejson.json", query), feedback)
+        feedback.pushInfo(described["description"])
         if self.parameterAsString(parameters, "FORM", context) == TILES:
-            return {"TILES": self._tiles(server, scene, query, context, feedback)}
+            return {"TILES": self._tiles(server, described, context)}
         path = self.parameterAsOutputLayer(parameters, "OUTPUT", context)
         if not path:
             raise QgsProcessingException("Choose a file for the brightness.")
-        write_raster(path, answer.body)
+        url = server.scene_url(scene, "/layers/brightness.tif", query)
+        write_raster(path, server.get(url, feedback).body)
         styles.style_file(path, "brightness")
         styles.style_on_load(context, path, "brightness", name=TITLE)
         return {"OUTPUT": path}
 
-    def _tiles(
-        self,
-        server: Server,
-        scene: str,
-        query: dict[str, Any],
-        context: QgsProcessingContext,
-        feedback: QgsProcessingFeedback,
-    ) -> str:
-        described = server.get(server.scene_url(scene, "/tiles/brightness/tilejson.json", query), feedback).json()
+    def _tiles(self, server: Server, described: dict[str, Any], context: QgsProcessingContext) -> str:
         source = tile_source(server, described)
         layer = QgsRasterLayer(source, TITLE, "wms")
         if not layer.isValid():
             raise QgsProcessingException("QGIS cannot read the tiles.")
-        feedback.pushInfo(described["description"])
         context.temporaryLayerStore().addMapLayer(layer)
         if context.project() is not None:
             details = QgsProcessingContext.LayerDetails(TITLE, context.project(), "TILES")
