@@ -106,9 +106,10 @@ class Rasters(WithFolder):
 
 class Vectors(WithFolder):
     def test_shares_come_back_on_the_layer(self) -> None:
-        """Each polygon keeps its fields and has its own share, whatever the order of the answer."""
+        """Each polygon keeps its fields and has its own share, whatever the answer's order; heights do not count."""
+        high = {**LUGANO, "coordinates": [[[*at, 300] for at in LUGANO["coordinates"][0]]]}
         far = rectangle(100, 10, 101, 11)
-        layer = self.geojson("areas.geojson", [({"id": 5}, far), ({"id": 6}, LUGANO), ({"id": 7}, LOCARNO)])
+        layer = self.geojson("areas.geojson", [({"id": 5}, far), ({"id": 6}, high), ({"id": 7}, LOCARNO)])
         output = str(self.folder / "shares.geojson")
         results = self.run_algorithm("shares", INPUT=layer, POINT=POINT, OUTPUT=output)
         found = {row["id"]: row for row in self.output(output)}
@@ -190,6 +191,9 @@ class Plans(WithFolder):
             self.assertTrue(8.8 <= west + (column + 0.5) * width <= 8.92, column)
             self.assertTrue(46.1 <= north + (row + 0.5) * height <= 46.25, row)
         self.assertEqual(results["SITES_MET"], 0)
+        everything = self.geojson("everything.geojson", [({}, rectangle(3, 42, 16, 50))])
+        results = self.run_algorithm("plan", AREA=everything, **asked)
+        self.assertEqual(results["SITES_MET"], 1)
 
     def test_too_many_sites_are_refused(self) -> None:
         """17 sites are one too many, and what to do is said."""

@@ -15,6 +15,7 @@ from qgis.core import (
     QgsProcessingFeatureSource,
     QgsProcessingFeedback,
     QgsRectangle,
+    QgsWkbTypes,
 )
 
 from .base import to_wgs84
@@ -35,6 +36,9 @@ def polygons(source: QgsProcessingFeatureSource, context: QgsProcessingContext) 
     for feature in source.getFeatures(QgsFeatureRequest()):
         outline = QgsGeometry(feature.geometry())
         if not outline.isEmpty():
+            # The server takes positions of two numbers.
+            outline.get().dropZValue()
+            outline.get().dropMValue()
             outline.transform(transform)
         found.append((QgsFeature(feature), outline))
     return found
@@ -48,6 +52,8 @@ def geojson(outline: QgsGeometry) -> dict[str, Any]:
 def united(outlines: Sequence[QgsGeometry]) -> QgsGeometry:
     """One outline around all."""
     whole = QgsGeometry.unaryUnion([outline.makeValid() for outline in outlines if not outline.isEmpty()])
+    # What is made valid may leave lines and points beside its polygons.
+    whole.convertGeometryCollectionToSubclass(QgsWkbTypes.GeometryType.PolygonGeometry)
     if whole.isEmpty():
         raise QgsProcessingException("The layer of areas has no polygons.")
     return whole

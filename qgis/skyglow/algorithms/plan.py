@@ -156,5 +156,8 @@ class PlanAlgorithm(SkyglowAlgorithm):
             parts.append(areas.all_but(inside, described["bounds"]))
         if protect is not None:
             parts.append(areas.united([outline for _, outline in areas.polygons(protect, context)]))
+        if all(part.isEmpty() for part in parts):
+            # The area holds all of the scene.
+            return None
         whole = areas.fitting([areas.united(parts)], described["pixel_size_m"], feedback)[0]
         return areas.geojson(whole)
