@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer qgis
 
 help: ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -52,6 +52,10 @@ container: ## build the image's root file system without a container engine and 
 
 fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; installs the nightly compiler if it is missing)
 	@scripts/fuzz.sh $(SECONDS)
+
+qgis: ## the QGIS plugin in QGIS, with and without a window (installs Debian's QGIS; TESTS=test_algorithms.Sky picks)
+	@cargo build --release --package skyglow
+	@scripts/qgis_plugin.sh $(TESTS)
 
 deny: ## licences, bans, duplicates, sources and known weaknesses of every dependency (cargo-deny)
 	@scripts/dependencies.sh

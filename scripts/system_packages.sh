@@ -1,13 +1,14 @@
 #!/bin/sh
 # Installs the Debian packages that Skyglow needs: `system_packages.sh serve` those to build and run,
-# `system_packages.sh test` also those of the browser tests and the worked examples. What is there already is left alone.
+# `system_packages.sh test` also those of the browser tests and the worked examples, `system_packages.sh qgis` those of the QGIS
+# plugin's tests. What is there already is left alone.
 set -eu
 
 purpose="${1:-}"
 case "$purpose" in
-serve | test) ;;
+serve | test | qgis) ;;
 *)
-    echo "usage: $0 serve|test" >&2
+    echo "usage: $0 serve|test|qgis" >&2
     exit 2
     ;;
 esac
@@ -37,6 +38,8 @@ has_python_modules() {
     return 1
 }
 
+has_qgis_module() { /usr/bin/python3 -c "import qgis.core" >/dev/null 2>&1; }
+
 # A package is asked for only when what it provides is missing, so that another Node or compiler will do.
 missing=""
 need() { # need PACKAGE PROBE...
@@ -63,6 +66,14 @@ if [ "$purpose" = test ]; then
     need python3-requests has_python_modules
     need python3-rasterio has_python_modules
     # The generator of a client is installed into an environment of its own.
+    need python3-venv python3 -c "import ensurepip"
+fi
+if [ "$purpose" = qgis ]; then
+    need qgis has_command qgis_process
+    need qgis-providers test -e /usr/lib/qgis/plugins/libprovider_gpx.so
+    need python3-qgis has_qgis_module
+    need xvfb has_command xvfb-run
+    need xauth has_command xauth
     need python3-venv python3 -c "import ensurepip"
 fi
 

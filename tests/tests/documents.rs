@@ -8,7 +8,7 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 14] = [
+const DOCUMENTS: [&str; 15] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -23,6 +23,7 @@ const DOCUMENTS: [&str; 14] = [
     "deploy/README.md",
     "precomputed/README.md",
     "python/README.md",
+    "qgis/README.md",
 ];
 
 /// Commands of `make` in the documents are in the Makefile.

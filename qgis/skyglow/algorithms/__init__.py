@@ -1,0 +1,1 @@
+"""The processing algorithms: one file each, on what they share in ``base``."""

@@ -1,0 +1,80 @@
+"""The artificial brightness of the zenith everywhere."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from qgis.core import (
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingFeedback,
+    QgsProcessingOutputString,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterRasterDestination,
+    QgsRasterLayer,
+)
+
+from .. import styles
+from ..server import Server
+from .base import SkyglowAlgorithm
+from .rasters import write_raster
+
+FILE, TILES = "file", "tiles"
+TITLE = "Artificial brightness of the zenith"
+
+
+class BrightnessAlgorithm(SkyglowAlgorithm):
+    """``skyglow:brightness``."""
+
+    NAME = "brightness"
+    TITLE = "Brightness of the zenith everywhere"
+    HELP = (
+        "The artificial luminance of the zenith at every place of the scene (cd/m²), as a cloud-optimized GeoTIFF "
+        "on the scene's own grid, or as map tiles that the server draws. The first time takes seconds to minutes, "
+        "and shows how far it is; then the server has it."
+    )
+
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802
+        """Its parameters."""
+        self.addParameter(QgsProcessingParameterEnum("FORM", "As", [FILE, TILES], False, FILE, False, True))
+        self.addParameter(QgsProcessingParameterRasterDestination("OUTPUT", "Brightness (file)", None, True))
+        self.addOutput(QgsProcessingOutputString("TILES", "Source of the tiles' layer"))
+        self.add_common()
+
+    def ask(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
+        """Asks for the file, or for the tiles once they are ready."""
+        server, scene = self.server(parameters, context), self.scene(parameters, context)
+        query = self.query(parameters, context)
+        # The file is of the same map as the tiles, whose description says how far that is.
+        described = server.when_ready(server.scene_url(scene, "/tiles/brightness/tilejson.json", query), feedback)
+        feedback.pushInfo(described["description"])
+        if self.parameterAsString(parameters, "FORM", context) == TILES:
+            return {"TILES": self._tiles(server, described, context)}
+        path = self.parameterAsOutputLayer(parameters, "OUTPUT", context)
+        if not path:
+            raise QgsProcessingException("Choose a file for the brightness.")
+        url = server.scene_url(scene, "/layers/brightness.tif", query)
+        write_raster(path, server.get(url, feedback).body)
+        styles.style_file(path, "brightness")
+        styles.style_on_load(context, path, "brightness", name=TITLE)
+        return {"OUTPUT": path}
+
+    def _tiles(self, server: Server, described: dict[str, Any], context: QgsProcessingContext) -> str:
+        source = tile_source(server, described)
+        layer = QgsRasterLayer(source, TITLE, "wms")
+        if not layer.isValid():
+            raise QgsProcessingException("QGIS cannot read the tiles.")
+        context.temporaryLayerStore().addMapLayer(layer)
+        if context.project() is not None:
+            details = QgsProcessingContext.LayerDetails(TITLE, context.project(), "TILES")
+            context.addLayerToLoadOnCompletion(layer.id(), details)
+        return source
+
+
+def tile_source(server: Server, described: dict[str, Any]) -> str:
+    """The source of an XYZ layer of QGIS from TileJSON."""
+    url = described["tiles"][0].replace("&", "%26").replace("=", "%3D")
+    source = f"type=xyz&url={url}&zmin={described['minzoom']}&zmax={described['maxzoom']}"
+    return f"{source}&authcfg={server.authentication}" if server.authentication else source
