@@ -317,7 +317,9 @@ mod tests {
         let grid = BeamGrid::new(nodes, cells.collect()).unwrap();
         for turbidity in [2.0, 2.6] {
             let turbidity = Turbidity::new(turbidity).unwrap();
-            let [zenith] = tables.zenith_of_rings(turbidity, &[rings.clone()], 700.0);
+            let dark = vec![[0.0; BAND_COUNT]; nodes];
+            let [zenith, of_nothing] = tables.zenith_of_rings(turbidity, &[rings.clone(), dark], 700.0);
+            assert!(of_nothing.iter().all(|value| *value < 1e-300));
             let sky = tables.grid_sky(turbidity, &grid, 700.0);
             for (band, value) in zenith.into_iter().enumerate() {
                 // The highest row is 0.7° from the zenith.
