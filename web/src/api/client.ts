@@ -44,8 +44,12 @@ export type SkyParameters = Pick<
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
 /** What the influences of lights on a sky depend on besides the scene. */
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
+/** What the shares of towns and areas in a sky depend on besides the scene. */
+export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
+/** A GeoJSON FeatureCollection of areas. */
+export type AreasBody = Body<Operation<"post", "/api/v1/scenes/{scene}/shares">>;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 export type EmissionKeepName = NonNullable<SkyParameters["emission_keep"]>;
 
@@ -97,7 +101,7 @@ function post<P extends Path<"post">, O extends Operation<"post", P>>(
   query: Parameters<O, "query">,
   body: Body<O>,
   signal: AbortSignal,
-): Promise<Json<O, 201>> {
+): Promise<Json<O, 200> | Json<O, 201>> {
   const headers = { accept: "application/json", "content-type": "application/json" };
   return request(buildUrl(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
@@ -141,6 +145,17 @@ export const api = {
     const url = urlOf("/api/v1/scenes/{scene}/panorama.sky", { scene }, parameters);
     const answer = await answered(url, { signal });
     return readCompactPanorama(await answer.arrayBuffer());
+  },
+  /** Whose light it is, by town. */
+  shares: (scene: string, query: SharesQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/shares", { scene }, query, signal),
+  /** The same by areas. */
+  areaShares: (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal) =>
+    post("/api/v1/scenes/{scene}/shares", { scene }, query, areas, signal),
+  areaSharesFile: async (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
+    const url = buildUrl("/api/v1/scenes/{scene}/shares.csv", { scene }, query);
+    const headers = { accept: "text/csv", "content-type": "application/json" };
+    return (await answered(url, { method: "POST", signal, headers, body: JSON.stringify(areas) })).blob();
   },
   /** Finds what to dim. */
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>

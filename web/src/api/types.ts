@@ -3,14 +3,17 @@
 import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./schema.ts";
 
 export type {
+  AreaSharesAnswer as AreaShares,
   AtmosphereAnswer as Atmosphere,
   DimmedPixelAnswer as DimmedPixel,
   Night,
   NightSkyAnswer as NightSky,
   PanoramaAnswer,
+  PlaceShare,
   PlanAnswer as Plan,
   Problem,
   ScenarioAnswer as Scenario,
+  SharesAnswer as Shares,
   SkyAnswer,
   TileJson,
 } from "./schema.ts";

@@ -197,6 +197,30 @@ export const english = {
       "The Milky Way stands out clearly.",
     ],
     stars: (visible: string, all: string) => `You see about ${visible} of ${all} stars.`,
+    /** `more`: others with their parts, or nothing. */
+    glow: (percent: string, town: string, more: string) => `${percent} % of the glow comes from ${town}${more}.`,
+    glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
+    glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
+  },
+  /** Whose light the sky is. */
+  shares: {
+    overhead: "Whose light overhead",
+    inMarked: "Whose light in the marked part",
+    waiting: "Finding whose light it is…",
+    none: "No artificial light.",
+    here: "here",
+    away: (distanceKm: string, compass: string) => `${distanceKm} km ${compass}`,
+    show: "Show on the map",
+    others: (count: string) => `${count} other towns`,
+    areas: "Our municipality or areas",
+    areasLead: "A GeoJSON file of boundaries: each area gets its share under its own name.",
+    file: "GeoJSON file",
+    /** `file`: its name. */
+    areasOf: (file: string) => `Shares of ${file}`,
+    outside: "All others",
+    save: "Save as CSV",
+    forget: "Remove",
+    noGeojson: (file: string) => `${file} is no GeoJSON file.`,
   },
   numbers: {
     title: "The sky in numbers",

@@ -45,6 +45,11 @@ export class MapPanel {
     this.map?.goTo(place);
   }
 
+  /** Moves so that a town is in view beside the picked place. */
+  showTown(town: Place): void {
+    this.map?.showBeside(town);
+  }
+
   resize(): void {
     this.map?.resize();
   }
@@ -77,6 +82,7 @@ export class MapPanel {
       map.mark(place, isPicked);
       isPicked = true;
     });
+    store.watch(["shownTown"], ({ shownTown }) => map.showTown(shownTown));
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

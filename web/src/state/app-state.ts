@@ -1,7 +1,20 @@
 // The whole state: what a link holds, and the answers of the server.
 
-import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
-import type { Atmosphere, Bounds, NamedPlace, Night, Plan, Scenario, Scene, Site, SkyAnswer, SkyQuantities } from "../api/types.ts";
+import type { AreasBody, InfluenceQuery, SharesQuery, SkyParameters } from "../api/client.ts";
+import type {
+  AreaShares,
+  Atmosphere,
+  Bounds,
+  NamedPlace,
+  Night,
+  Plan,
+  Scenario,
+  Scene,
+  Shares,
+  Site,
+  SkyAnswer,
+  SkyQuantities,
+} from "../api/types.ts";
 import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
@@ -16,6 +29,12 @@ import type { LayerName, Place, ViewState } from "./view-state.ts";
 export interface Comparison {
   before: SkyQuantities;
   after: SkyQuantities;
+}
+
+/** Boundaries that somebody chose as a file. */
+export interface Areas {
+  fileName: string;
+  body: AreasBody;
 }
 
 export interface AppState extends ViewState {
@@ -37,6 +56,15 @@ export interface AppState extends ViewState {
   night: Night | null;
   /** What painted lights change: the numbers of the sky without and with them. */
   comparison: Comparison | null;
+  /** Whose light the sky is, or its marked part: it comes after the sky. */
+  shares: Shares | null;
+  areas: Areas | null;
+  /** The same by those areas. */
+  areaShares: AreaShares | null;
+  /** Whether shares are on their way. */
+  isSharing: boolean;
+  /** The town that is shown on the map and in the sky while someone points at its name. */
+  shownTown: NamedPlace | null;
   panorama: SkyGrid | null;
   /** The panorama of today's lights, where it is shown beside that of others. */
   panoramaToday: SkyGrid | null;
@@ -71,6 +99,11 @@ export function initialState(view: ViewState): AppState {
     answer: null,
     night: null,
     comparison: null,
+    shares: null,
+    areas: null,
+    areaShares: null,
+    isSharing: false,
+    shownTown: null,
     panorama: null,
     panoramaToday: null,
     skyAspect: 1,
@@ -199,4 +232,12 @@ export function coordinatesOf({ latitude_deg, longitude_deg }: Place): { lat: nu
 export function influenceQuery({ measure, region }: State, place: Place, conditions: Conditions): InfluenceQuery {
   const marked = measure === "region" && region !== null ? { region: textFromRegion(region) } : {};
   return { ...coordinatesOf(place), ...conditions, measure, ...marked };
+}
+
+/** The zenith's shares, or those of the part of the sky that is marked. */
+export function sharesQuery(state: State, place: Place): SharesQuery {
+  const { region } = state;
+  const marked =
+    region === null ? ({ measure: "zenith" } as const) : { measure: "region" as const, region: textFromRegion(region) };
+  return { ...coordinatesOf(place), ...pictureConditions(state), ...marked };
 }

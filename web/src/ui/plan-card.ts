@@ -9,7 +9,7 @@ import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { comparisonRows } from "./comparison.ts";
 import { byId, inEnglish, make } from "./dom.ts";
-import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
+import { fixed, magnitude, percent, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
 import { PlanForm } from "./plan-form.ts";
 
@@ -21,13 +21,6 @@ function measureWords(measure: string): string {
   const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
   const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
   return known[measure as PlanMeasure] ?? measure;
-}
-
-/** A share as people say it: 0.3 %, 12 %. */
-export function percent(share: number): string {
-  const size = 100 * share;
-  if (size > 0 && size < 0.1) return `< ${decimal(0.1)} %`;
-  return `${size < 9.95 ? fixed(size, 1) : fixed(size, 0)} %`;
 }
 
 /** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
