@@ -46,6 +46,8 @@ export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.js
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What the shares of towns and areas in a sky depend on besides the scene. */
 export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
+/** What darker places around one depend on besides the scene. */
+export type DarkerQuery = Query<"/api/v1/scenes/{scene}/darker">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
 /** A GeoJSON FeatureCollection of areas. */
@@ -157,6 +159,8 @@ export const api = {
     const headers = { accept: "text/csv", "content-type": "application/json" };
     return (await answered(url, { method: "POST", signal, headers, body: JSON.stringify(areas) })).blob();
   },
+  darker: (scene: string, query: DarkerQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/darker", { scene }, query, signal),
   /** Finds what to dim. */
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),

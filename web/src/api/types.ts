@@ -5,6 +5,8 @@ import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./s
 export type {
   AreaSharesAnswer as AreaShares,
   AtmosphereAnswer as Atmosphere,
+  DarkerAnswer as Darker,
+  DarkerPlaceAnswer as DarkerPlace,
   DimmedPixelAnswer as DimmedPixel,
   Night,
   NightSkyAnswer as NightSky,

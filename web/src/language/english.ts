@@ -222,6 +222,20 @@ export const english = {
     forget: "Remove",
     noGeojson: (file: string) => `${file} is no GeoJSON file.`,
   },
+  /** Darker places nearby. */
+  darker: {
+    title: (distanceKm: string) => `Darker places within ${distanceKm} km`,
+    waiting: "Looking around…",
+    none: (distanceKm: string) => `No place within ${distanceKm} km is clearly darker.`,
+    lead: "Whether one may go there, and get there, nobody has checked.",
+    away: (distanceKm: string, compass: string) => `${distanceKm} km ${compass} away`,
+    gain: (mag: string) => `${mag} mag darker`,
+    clean: (directions: string) => `dark horizon: ${directions}`,
+    notClean: "bright horizon all around",
+    allAround: "all around",
+    fromTo: (first: string, last: string) => `${first} to ${last}`,
+    level: "level: a plain, or a lake",
+  },
   numbers: {
     title: "The sky in numbers",
     ground: "Ground",

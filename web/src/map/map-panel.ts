@@ -83,6 +83,7 @@ export class MapPanel {
       isPicked = true;
     });
     store.watch(["shownTown"], ({ shownTown }) => map.showTown(shownTown));
+    store.watch(["darker"], ({ darker }) => map.showDarker(darker?.places ?? NOTHING));
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

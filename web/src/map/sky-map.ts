@@ -4,7 +4,7 @@ import type { GeoJSON } from "geojson";
 import { type ErrorEvent, type GeoJSONSource, LngLatBounds, type Map as MapLibreMap, Marker } from "maplibre-gl";
 import { ApiError, noAnswer } from "../api/problem.ts";
 import type { EditBody } from "../api/schema.ts";
-import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
+import type { Bounds, DarkerPlace, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { PaintedArea } from "../lights/painting.ts";
 import type { LayerName, MapView, Place } from "../state/view-state.ts";
@@ -50,6 +50,7 @@ export class SkyMap {
   private readonly painter: Painter;
   private readonly failedSources = new Set<string>();
   private readonly town: Marker;
+  private darker: Marker[] = [];
   private marked: Place | null = null;
   /** Whether the place was picked since the map was last moved by hand: only then may the map follow it. */
   private isFollowing = false;
@@ -260,6 +261,20 @@ export class SkyMap {
     if (town === null) return;
     this.town.getElement().textContent = town.name;
     this.town.setLngLat([town.longitude_deg, town.latitude_deg]).addTo(this.map);
+  }
+
+  /** Marks darker places by their rank; their list says the same. */
+  showDarker(places: readonly DarkerPlace[]): void {
+    for (const marker of this.darker) marker.remove();
+    this.darker = places.map(({ rank, latitude_deg, longitude_deg }) => {
+      const element = make("div", "darker-mark", String(rank));
+      element.setAttribute("aria-hidden", "true");
+      element.addEventListener("click", (event) => {
+        event.stopPropagation();
+        this.events.picked({ latitude_deg, longitude_deg });
+      });
+      return new Marker({ element, anchor: "center" }).setLngLat([longitude_deg, latitude_deg]).addTo(this.map);
+    });
   }
 
   /** Moves so that a place and the picked one are in view. */

@@ -1,10 +1,11 @@
 // The whole state: what a link holds, and the answers of the server.
 
-import type { AreasBody, InfluenceQuery, SharesQuery, SkyParameters } from "../api/client.ts";
+import type { AreasBody, DarkerQuery, InfluenceQuery, SharesQuery, SkyParameters } from "../api/client.ts";
 import type {
   AreaShares,
   Atmosphere,
   Bounds,
+  Darker,
   NamedPlace,
   Night,
   Plan,
@@ -63,6 +64,9 @@ export interface AppState extends ViewState {
   areaShares: AreaShares | null;
   /** Whether shares are on their way. */
   isSharing: boolean;
+  /** Whether darker places are looked for, and shown. */
+  isDarkerOpen: boolean;
+  darker: Darker | null;
   /** The town that is shown on the map and in the sky while someone points at its name. */
   shownTown: NamedPlace | null;
   panorama: SkyGrid | null;
@@ -103,6 +107,8 @@ export function initialState(view: ViewState): AppState {
     areas: null,
     areaShares: null,
     isSharing: false,
+    isDarkerOpen: false,
+    darker: null,
     shownTown: null,
     panorama: null,
     panoramaToday: null,
@@ -240,4 +246,10 @@ export function sharesQuery(state: State, place: Place): SharesQuery {
   const marked =
     region === null ? ({ measure: "zenith" } as const) : { measure: "region" as const, region: textFromRegion(region) };
   return { ...coordinatesOf(place), ...pictureConditions(state), ...marked };
+}
+
+/** Darker places are looked for under a clear sky. */
+export function darkerQuery(state: State, place: Place): DarkerQuery {
+  const { clouds: _, ...clear } = pictureConditions(state);
+  return { ...coordinatesOf(place), ...clear };
 }
