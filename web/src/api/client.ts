@@ -48,6 +48,8 @@ export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
 /** What darker places around one depend on besides the scene. */
 export type DarkerQuery = Query<"/api/v1/scenes/{scene}/darker">;
+/** What a night over a place depends on besides the scene. */
+export type NightQuery = Query<"/api/v1/scenes/{scene}/night">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
 /** A GeoJSON FeatureCollection of areas. */
@@ -138,6 +140,9 @@ export const api = {
   places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
   /** The night that begins on the evening of a date. */
   night: ({ lat, lon }: SkyParameters, date: string, signal: AbortSignal) => get("/api/v1/night", {}, { lat, lon, date }, signal),
+  /** The same night hour by hour, with the lights of the scene. */
+  nightHours: (scene: string, query: NightQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/night", { scene }, query, signal),
   atmospheres: (signal: AbortSignal) => get("/api/v1/atmospheres", {}, {}, signal),
   site: (scene: string, { lat, lon }: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/site", { scene }, { lat, lon }, signal),

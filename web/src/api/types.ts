@@ -9,6 +9,8 @@ export type {
   DarkerPlaceAnswer as DarkerPlace,
   DimmedPixelAnswer as DimmedPixel,
   Night,
+  NightHourAnswer as NightHour,
+  NightHoursAnswer as NightHours,
   NightSkyAnswer as NightSky,
   PanoramaAnswer,
   PlaceShare,

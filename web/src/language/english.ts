@@ -125,7 +125,9 @@ export const english = {
     slider: "Time of the night",
     date: "Night of",
     now: "Now",
-    darkest: "Darkest",
+    best: "Best hour",
+    /** `mag`: of the zenith, all light. */
+    bestTold: (time: string, mag: string) => `Best at ${time}: ${mag} mag/arcsec² overhead under a clear sky.`,
     none: "No time",
     noneWhy: "A dark sky to compare with: no Moon, no twilight",
     noneTold: "No time: a dark sky without Moon or twilight",

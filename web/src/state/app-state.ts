@@ -1,6 +1,6 @@
 // The whole state: what a link holds, and the answers of the server.
 
-import type { AreasBody, DarkerQuery, InfluenceQuery, SharesQuery, SkyParameters } from "../api/client.ts";
+import type { AreasBody, DarkerQuery, InfluenceQuery, NightQuery, SharesQuery, SkyParameters } from "../api/client.ts";
 import type {
   AreaShares,
   Atmosphere,
@@ -8,6 +8,7 @@ import type {
   Darker,
   NamedPlace,
   Night,
+  NightHours,
   Plan,
   Scenario,
   Scene,
@@ -55,6 +56,8 @@ export interface AppState extends ViewState {
   answer: SkyAnswer | null;
   /** The night that the time lies in, over the picked place; without a time tonight. */
   night: Night | null;
+  /** The same hour by hour: it comes after the sky. */
+  nightHours: NightHours | null;
   /** What painted lights change: the numbers of the sky without and with them. */
   comparison: Comparison | null;
   /** Whose light the sky is, or its marked part: it comes after the sky. */
@@ -102,6 +105,7 @@ export function initialState(view: ViewState): AppState {
     site: null,
     answer: null,
     night: null,
+    nightHours: null,
     comparison: null,
     shares: null,
     areas: null,
@@ -252,4 +256,10 @@ export function sharesQuery(state: State, place: Place): SharesQuery {
 export function darkerQuery(state: State, place: Place): DarkerQuery {
   const { clouds: _, ...clear } = pictureConditions(state);
   return { ...coordinatesOf(place), ...clear };
+}
+
+/** Hours are told of a clear sky, in total light. */
+export function nightQuery(state: State, place: Place, date: string): NightQuery {
+  const { clouds: _clouds, response: _response, ...clear } = conditionsOf(state);
+  return { ...coordinatesOf(place), ...clear, date };
 }

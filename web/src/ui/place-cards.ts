@@ -2,7 +2,7 @@
 
 import type { NamedPlace } from "../api/types.ts";
 import { DarkerSession } from "../data/darker-session.ts";
-import { followNight } from "../data/night-session.ts";
+import { followNight, followNightHours } from "../data/night-session.ts";
 import { SharesSession } from "../data/shares-session.ts";
 import type { Lights } from "../lights/lights.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -25,6 +25,7 @@ export interface MapMoves {
 
 export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves): PaintCard {
   followNight(store);
+  followNightHours(store);
   new SharesSession(store);
   mountShares(store, (town) => map.showTown(town));
   new TimeLine(store);
