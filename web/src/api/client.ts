@@ -138,6 +138,8 @@ async function answered(url: string, init: RequestInit & { signal: AbortSignal }
 export const api = {
   scenes: (signal: AbortSignal) => get("/api/v1/scenes", {}, {}, signal),
   places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
+  /** Places of the world by name. */
+  worldPlaces: (name: string, signal: AbortSignal) => get("/api/v1/places", {}, { name }, signal),
   /** The night that begins on the evening of a date. */
   night: ({ lat, lon }: SkyParameters, date: string, signal: AbortSignal) => get("/api/v1/night", {}, { lat, lon, date }, signal),
   /** The same night hour by hour, with the lights of the scene. */

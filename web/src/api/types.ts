@@ -8,6 +8,7 @@ export type {
   DarkerAnswer as Darker,
   DarkerPlaceAnswer as DarkerPlace,
   DimmedPixelAnswer as DimmedPixel,
+  FoundPlace,
   Night,
   NightHourAnswer as NightHour,
   NightHoursAnswer as NightHours,

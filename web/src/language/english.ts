@@ -18,6 +18,9 @@ export const english = {
     found: "Places found",
     coordinates: "coordinates",
     nothingFound: "No place of that name here. Coordinates and links of maps work too: -1.29, 36.82",
+    /** Of a place; then the same as a sentence. */
+    notCovered: "no scene covers it",
+    noSceneCovers: (place: string) => `No scene of this server covers ${place}.`,
     locate: "My place",
     scene: "Scene",
     redLight: "Red light",

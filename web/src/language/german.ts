@@ -15,6 +15,8 @@ export const german: Words = {
     found: "Gefundene Orte",
     coordinates: "Koordinaten",
     nothingFound: "Hier gibt es keinen Ort dieses Namens. Auch Koordinaten und Links von Karten gehen: -1.29, 36.82",
+    notCovered: "in keiner Szene",
+    noSceneCovers: (place) => `Keine Szene dieses Servers enthält ${place}.`,
     locate: "Mein Standort",
     scene: "Szene",
     redLight: "Rotlicht",
