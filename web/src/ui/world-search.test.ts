@@ -15,7 +15,7 @@ const SCENES = [
   { id: "kenya", title: "Kenya" },
 ] as Scene[];
 
-/** Finds say their country and another scene; what is listed already under another name, and nothing else, is left out. */
+/** Finds say their country and another scene; what is listed already under another name, and nothing else, is left out. Places without a scene come last, and are three at most. */
 test("finds of the world say their scene", () => {
   const milano = { name: "Milano", latitude_deg: 45.46, longitude_deg: 9 };
   const places = [
@@ -24,12 +24,14 @@ test("finds of the world say their scene", () => {
     found("Mili", "KE", -1, "kenya"),
     found("Milezzo", "IT", 46, "alps"),
   ];
+  const many = [1, 2, 3, 4].map((i) => found(`Mil ${i}`, "US", -10 * i, null));
+  assert.equal(worldResults(many, [], SCENES, "alps").length, 3);
   assert.deepEqual(
     worldResults(places, [milano], SCENES, "alps").map(({ title, detail, isCovered }) => [title, detail, isCovered]),
     [
-      ["Milas", "Türkiye · no scene covers it", false],
       ["Mili", "Kenya · Kenya", true],
       ["Milezzo", "Italy", true],
+      ["Milas", "Türkiye · no scene covers it", false],
     ],
   );
 });

@@ -8,6 +8,8 @@ import { debounced } from "./dom.ts";
 const WAIT_MS = 180;
 const MIN_LETTERS = 2;
 const MAX_LETTERS = 100;
+/** Places that no scene has stand below those that one has, and are few. */
+const MAX_UNCOVERED = 3;
 /** Two finds nearer than this, degrees, are one place under two names. */
 const SAME_PLACE_DEG = 0.05;
 
@@ -38,7 +40,7 @@ export function worldResults(
 ): SearchResult[] {
   const isNear = (a: NamedPlace, b: NamedPlace) =>
     Math.abs(a.latitude_deg - b.latitude_deg) < SAME_PLACE_DEG && Math.abs(a.longitude_deg - b.longitude_deg) < SAME_PLACE_DEG;
-  return found
+  const results = found
     .filter((place) => !listed.some((other) => isNear(place, other)))
     .map((place) => {
       const scene = scenes.find(({ id }) => id === place.scene);
@@ -46,6 +48,8 @@ export function worldResults(
       const detail = [countryName(place.country), where].filter((part) => part !== "").join(" · ");
       return { title: place.name, detail, place, isCovered: scene !== undefined };
     });
+  const covered = results.filter(({ isCovered }) => isCovered);
+  return [...covered, ...results.filter(({ isCovered }) => !isCovered).slice(0, MAX_UNCOVERED)];
 }
 
 export class WorldSearch {
