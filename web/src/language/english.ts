@@ -39,6 +39,7 @@ export const english = {
     toggleCredits: "Toggle attribution",
     credits: "Outlines: Natural Earth",
     picked: "The picked place",
+    waiting: "Loading the map…",
     noOutlines: (status: number) => `the map's outlines did not load (${status})`,
   },
   layers: {
@@ -367,6 +368,9 @@ export const english = {
     find: "Find what to dim",
     searching: "Looking for the least light to take away…",
     darker: (share: string) => `${share} darker`,
+    /** `most`: where every light loses what it may. */
+    outOfReach: (wanted: string, most: string) =>
+      `${wanted} is out of reach: with every light dimmed as far as it may be, it gets ${most} darker.`,
     zenith: "Zenith, artificial",
     light: (share: string, flux: string, dimmed: string, lit: string) =>
       `This takes ${share} of the light within 300 km (${flux} upward, as the satellite sees it), from ${dimmed} of ${lit} lit pixels.`,

@@ -35,6 +35,7 @@ export const german: Words = {
     toggleCredits: "Quellen ein- oder ausblenden",
     credits: "Umrisse: Natural Earth",
     picked: "Der gewählte Ort",
+    waiting: "Die Karte wird geladen …",
     noOutlines: (status) => `die Umrisse der Karte wurden nicht geladen (${status})`,
   },
   layers: {
@@ -341,6 +342,8 @@ export const german: Words = {
     find: "Suchen, was zu dimmen ist",
     searching: "Die geringste Lichtmenge, die wegfallen muss, wird gesucht …",
     darker: (share) => `${share} dunkler`,
+    outOfReach: (wanted, most) =>
+      `${wanted} sind nicht erreichbar: Sind alle Lichter so weit gedimmt, wie sie dürfen, wird es ${most} dunkler.`,
     zenith: "Zenit, künstlich",
     light: (share, flux, dimmed, lit) =>
       `Damit entfallen ${share} des Lichts im Umkreis von 300 km (${flux} nach oben, wie der Satellit es sieht), aus ${dimmed} von ${lit} leuchtenden Pixeln.`,

@@ -36,6 +36,7 @@ export class MapPanel {
       this.map = this.create(SkyMap);
       this.follow(this.map);
     } catch (reason) {
+      byId("map", HTMLElement).dataset.failed = "";
       this.store.report(new Error(words().problems.noMap(reason instanceof Error ? reason.message : String(reason))));
     }
   }

@@ -8,7 +8,7 @@ import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { comparisonRows } from "./comparison.ts";
-import { byId, inEnglish, make } from "./dom.ts";
+import { byId, make } from "./dom.ts";
 import { fixed, magnitude, percent, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
 import { PlanForm } from "./plan-form.ts";
@@ -64,7 +64,8 @@ export class PlanCard {
       const name = placeName(site.observer, places);
       const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
       reached.dataset.reducedBy = String(site.reduced_by);
-      const unmet = site.target?.why_not == null ? [] : [inEnglish(make("p", "warning", site.target.why_not))];
+      const { target, before } = site;
+      const unmet = target == null || target.is_met || before <= 0 ? [] : [make("p", "warning", outOfReach(target, before))];
       return [reached, ...unmet];
     });
   }
@@ -118,6 +119,11 @@ export class PlanCard {
     button.addEventListener("click", () => this.lights.drop());
     return button;
   }
+}
+
+/** Why a goal is not met: how far all lights together go. */
+function outOfReach({ wanted, least }: { wanted: number; least: number }, before: number): string {
+  return words().plan.outOfReach(percent(1 - wanted / before), percent(1 - least / before));
 }
 
 function changeRow(title: string, before: string, after: string, unit: string): HTMLElement {

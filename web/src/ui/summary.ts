@@ -101,10 +101,10 @@ export function glowSentence({ sky, night_sky }: Summarized, { measure, places }
 export function mountSummary(store: AppStore): void {
   const container = byId("summary", HTMLElement);
   const glow = make("span", "");
-  store.watch(["answer", "site"], ({ answer, site }) => {
+  store.watch(["answer", "site", "isBusy"], ({ answer, site, isBusy }) => {
     // It stays while the next one is on its way: what is read aloud is a sentence, not a gap.
     if (answer === null) {
-      if (site === null) container.replaceChildren();
+      if (site === null) container.replaceChildren(...(isBusy ? [words().sky.waiting] : []));
       return;
     }
     const [first = "", ...others] = summaryOf(answer);
