@@ -30,7 +30,9 @@ test("a plan makes the zenith darker", async () => {
   const names = here.places.map(({ name }) => name);
   const towns = await page.locator("#plan-answer .towns li span").allTextContents();
   assert.ok(towns.length > 0 && towns.slice(0, 6).every((town) => names.includes(town)), `${towns}`);
-  const parts = (await page.locator("#plan-answer .towns li b").allTextContents()).map((part) => Number.parseFloat(part.replace("<", "")));
+  const parts = (await page.locator("#plan-answer .towns li b").allTextContents()).map((part) =>
+    Number.parseFloat(part.replace("<", "")),
+  );
   const listed = plan.pixels.reduce((sum, { effect }) => sum + effect, 0);
   assert.ok(Math.abs(parts.reduce((a, b) => a + b) - 100 * listed) < 3, `${parts} of ${listed}`);
   await shot(page, "plan");
