@@ -4,6 +4,8 @@ import { pageWithWords } from "./src/language/page.ts";
 
 // `npm run dev` shows sources live and asks a running server (`skyglow serve`) for data.
 const server = process.env.SKYGLOW_URL ?? "http://127.0.0.1:8080";
+// The server stores only what comes from its own pages: it must see the host that the page sees.
+const sameOrigin = { target: server, changeOrigin: false };
 
 /** The page comes with its words in English; at run time another language takes their place. */
 function wordsOfPage(): Plugin {
@@ -24,5 +26,5 @@ export default defineConfig({
     chunkSizeWarningLimit: 1400,
   },
   worker: { format: "es" },
-  server: { proxy: { "/api": server, "/healthz": server, "/readyz": server } },
+  server: { proxy: { "/api": sameOrigin, "/healthz": sameOrigin, "/readyz": sameOrigin } },
 });

@@ -31,7 +31,12 @@ for (const [name, device] of [
     await page.fill("#search", `${latitude_deg}, ${longitude_deg}`);
     await page.press("#search", "Enter");
     await skyShown(page);
-    assert.deepEqual(await violations(page), [], "a sky with its numbers");
+    await page.waitForSelector("#shares-list button");
+    await page.click("#shares summary");
+    await page.click("#darker summary");
+    await page.waitForSelector("#darker-list button");
+    await page.waitForSelector("#night-curve svg");
+    assert.deepEqual(await violations(page), [], "a sky with its numbers, lights and darker places");
     await page.click("#plan-find");
     await page.waitForSelector("#plan-status .plan-reached");
     await page.click("#paint-draw");

@@ -69,3 +69,71 @@ test("the lights that cause a sky are a layer", async () => {
   assertNoFaults(opened);
   await context.close();
 });
+
+/** One colour scale lies on the map at a time; what is chosen of the sky counts for the plan too, and the other way round. */
+test("one coloured layer is on at a time", async () => {
+  const { latitude_deg, longitude_deg } = here.beside;
+  const opened = await openPage(browser, `#scene=${here.scene.id}&lat=${latitude_deg}&lon=${longitude_deg}&elevation=0.6`);
+  const { page, context } = opened;
+  await skyShown(page);
+  await page.check("#layer-influence");
+  const on = () => page.$$eval(".layer input[type=checkbox]:checked", (boxes) => boxes.map(({ id }) => id));
+  assert.deepEqual(await on(), ["layer-influence", "layer-elevation"]);
+  await page.selectOption("#measure", "horizontal");
+  assert.equal(await page.inputValue("#plan-measure"), "horizontal");
+  await page.selectOption("#plan-measure", "mean");
+  assert.equal(await page.inputValue("#measure"), "mean");
+  await page.check("#layer-radiance");
+  assert.deepEqual(await on(), ["layer-radiance", "layer-elevation"]);
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** A drag of the map that ends over a panel or beside the map ends there. */
+test("a drag ends over a panel", async () => {
+  const opened = await openPage(browser, `#scene=${here.scene.id}`);
+  const { page, context } = opened;
+  await page.waitForSelector("#map[data-basemap=fine]");
+  const map = await page.locator("#map").boundingBox();
+  const panel = await page.locator("#layers").boundingBox();
+  for (const [x, y] of [
+    [panel.x + 40, panel.y + 40],
+    [map.x + map.width + 60, map.y + 200],
+  ]) {
+    const before = page.url();
+    await page.mouse.move(map.x + map.width - 120, map.y + map.height - 200);
+    await page.mouse.down();
+    await page.mouse.move(map.x + map.width / 2, map.y + map.height / 2, { steps: 4 });
+    await page.mouse.move(x, y, { steps: 4 });
+    await page.mouse.up();
+    await page.waitForFunction((url) => location.href !== url, before);
+    const after = page.url();
+    await page.mouse.move(map.x + map.width / 2, map.y + 300, { steps: 4 });
+    await page.waitForTimeout(500);
+    assert.equal(page.url(), after);
+  }
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** On a slow line the page says that its map is on the way. */
+test("a slow page says that the map is loading", async () => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  let release = () => {};
+  const held = new Promise((resolve) => {
+    release = resolve;
+  });
+  await page.route(/countries-/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.goto(`${process.env.SKYGLOW_URL}/`);
+  const said = () => page.$eval("#map", (map) => getComputedStyle(map, "::after").content);
+  await page.waitForFunction(() => getComputedStyle(document.querySelector("#map"), "::after").content !== "none");
+  assert.equal(await said(), '"Loading the map…"');
+  release();
+  await page.waitForSelector("#map[data-basemap]");
+  assert.equal(await said(), "none");
+  await context.close();
+});

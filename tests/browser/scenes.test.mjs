@@ -91,3 +91,39 @@ test("an empty server offers no place", async () => {
   assert.ok((await page.locator("#plan-card").isHidden()) && (await page.locator("#paint-card").isHidden()));
   await context.close();
 });
+
+/** The search asks for the world's places when typing rests, says which scene has each, and one that none has is told so. */
+test("the search finds places of the world", async () => {
+  const context = await browser.newContext(DESKTOP);
+  const nordheim = await withNorth(context);
+  const [west, south] = here.scene.bounds;
+  const found = [
+    { ...nordheim, name: "Worldham", country: "NO", scene: "north", latitude_deg: nordheim.latitude_deg - 1 },
+    { name: "World's End", country: "AU", scene: null, latitude_deg: south - 20, longitude_deg: west, population: 1200 },
+  ];
+  const asked = [];
+  await context.route("**/api/v1/places?*", (route) => {
+    asked.push(new URL(route.request().url()).searchParams.get("name"));
+    return route.fulfill({ json: found });
+  });
+  const page = await context.newPage();
+  await page.goto(`${process.env.SKYGLOW_URL}/${fragment(here.town)}`);
+  await skyShown(page);
+  await page.locator("#search").pressSequentially("world", { delay: 30 });
+  const options = page.locator("#search-list").getByRole("option");
+  await options.filter({ hasText: "World's End" }).waitFor();
+  assert.deepEqual(await options.allTextContents(), [
+    "WorldhamNorway · The measured north",
+    "World's EndAustralia · no scene covers it",
+  ]);
+  assert.deepEqual(asked, ["world"]);
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  assert.match(await page.locator("#notice").textContent(), /No scene of this server covers World's End/);
+  assert.equal(inLink(page, "scene"), here.scene.id);
+  await page.fill("#search", "worldh");
+  await options.filter({ hasText: "Worldham" }).click();
+  await page.waitForFunction(() => location.hash.includes("scene=north"));
+  await skyShown(page);
+  await context.close();
+});

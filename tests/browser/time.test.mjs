@@ -71,7 +71,7 @@ test("the time moves along the night by keys", async () => {
   await context.close();
 });
 
-/** Another date keeps the hour; without a time it is the middle of the night. The darkest time is the server's dark part's. */
+/** Another date keeps the hour; without a time it is the middle of the night. The best hour is in the server's dark part. */
 test("another night keeps the hour", async () => {
   const opened = await openPage(browser, fragment(here.beside), IN_UTC);
   const { page, context } = opened;
@@ -85,7 +85,7 @@ test("another night keeps the hour", async () => {
   const { latitude_deg, longitude_deg } = here.beside;
   const night = await getJson(`night?lat=${latitude_deg}&lon=${longitude_deg}&date=2026-12-10`);
   await page.getByText(`Dark for ${Math.floor(night.dark_hours)} h`).waitFor();
-  await page.getByRole("button", { name: "Darkest" }).click();
+  await page.getByRole("button", { name: "Best hour" }).click();
   await page.waitForFunction(
     (dark) =>
       dark.some(([from, until]) => {
@@ -138,4 +138,37 @@ test("a finger sets the time", async () => {
   await shot(page, "time-phone");
   assertNoFaults(opened);
   await context.close();
+});
+
+/** The curve of the night comes after the sky, with the best hour that the API has; its button goes there. */
+test("the best hour of the night is shown", async () => {
+  for (const device of [IN_UTC, { ...PHONE, timezoneId: "UTC" }]) {
+    const opened = await openPage(browser, fragment(here.beside, "&time=2026-08-12T20:30Z"), device);
+    const { page, context, asked } = opened;
+    await page.waitForSelector("#night-curve .curve-best");
+    const { best_hour, hours } = await getJson(skyPath(here.scene, "night", here.beside, "&date=2026-08-12"));
+    const best = hours.find(({ time }) => time === best_hour);
+    const clock = best_hour.slice(11, 16);
+    const mag = best.zenith_total_brightness_mag_arcsec2.toFixed(1);
+    assert.equal(
+      await page.locator("#night-best").textContent(),
+      `Best at ${clock}: ${mag} mag/arcsec² overhead under a clear sky.`,
+    );
+    await page.getByRole("button", { name: "Best hour" }).click();
+    await page.waitForFunction((time) => location.hash.includes(`time=${time}`), best_hour.slice(0, 16));
+    await skyShown(page);
+    // The mark of the best hour stands over the slider's thumb.
+    const mark = await page.locator(".curve-best").boundingBox();
+    const track = await page.locator("#night-parts").boundingBox();
+    const { min, max, value } = await page.$eval("#time", ({ min, max, value }) => ({ min, max, value }));
+    const thumb = track.x + (track.width * (value - min)) / (max - min);
+    assert.ok(Math.abs(mark.x + mark.width / 2 - thumb) < 4, `${mark.x} for ${thumb}`);
+    const order = (part) => asked.findIndex((path) => path.includes(part));
+    assert.ok(order(`${here.scene.id}/night?`) > order("/panorama.sky?"));
+    // Another hour of the same night asks for nothing new.
+    assert.equal(asked.filter((path) => path.includes(`${here.scene.id}/night?`)).length, 1);
+    await shot(page, device === IN_UTC ? "night-hours" : "night-hours-phone");
+    assertNoFaults(opened);
+    await context.close();
+  }
 });

@@ -58,12 +58,15 @@ new SkyView(byId("sky-view", HTMLElement), store);
 
 let paintCard: PaintCard | null = null;
 let isAsked = false;
+const map = new MapPanel(store, (area) => {
+  if (paintCard !== null) lights.paint(area, paintCard.change());
+});
 store.watch(["place", "isAway"], ({ place, isAway }) => {
   if (place === null || isAway || isAsked) return;
   isAsked = true;
   import("./ui/place-cards.ts")
     .then(({ mountPlaceCards }) => {
-      paintCard = mountPlaceCards(store, lights);
+      paintCard = mountPlaceCards(store, lights, map);
     })
     .catch(() => {
       isAsked = false;
@@ -71,9 +74,6 @@ store.watch(["place", "isAway"], ({ place, isAway }) => {
     });
 });
 
-const map = new MapPanel(store, (area) => {
-  if (paintCard !== null) lights.paint(area, paintCard.change());
-});
 const goTo = (place: Place) => {
   store.pick(place);
   map.goTo(place);

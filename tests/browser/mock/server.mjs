@@ -6,6 +6,7 @@ import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { compact } from "./compact.mjs";
 import { nightOf, nightSkyAt } from "./night.mjs";
+import { darkerThan, hoursOf, sharesOf, worldPlaces } from "./places.mjs";
 import { COLUMNS, LAMPS, NATURAL, quantities, RESPONSES, ROWS, radiance, TOWNS } from "./sky.mjs";
 import { tile } from "./tiles.mjs";
 
@@ -110,6 +111,11 @@ function api(path, query, response) {
       ["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity, cloud_base_m: null }))),
     );
   if (path === "scenes/demo/places") return json(TOWNS);
+  if (path === "places") return json(worldPlaces(query.get("name")));
+  const about = { latitude_deg: Number(query.get("lat")), longitude_deg: Number(query.get("lon")) };
+  if (path === "scenes/demo/shares") return json(sharesOf(about, query.get("measure"), Number(query.get("limit") ?? 10)));
+  if (path === "scenes/demo/darker") return json(darkerThan(about));
+  if (path === "scenes/demo/night") return json(hoursOf(about, query.get("date")));
   if (path === "scenes/demo/site") {
     const place = { latitude_deg: Number(query.get("lat")) };
     if (within()) json({ terrain_altitude_m: 1700, radiance_nw_cm2_sr: 12.3, warnings: warnings(place) });

@@ -44,8 +44,16 @@ export type SkyParameters = Pick<
 export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.json">;
 /** What the influences of lights on a sky depend on besides the scene. */
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
+/** What the shares of towns and areas in a sky depend on besides the scene. */
+export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
+/** What darker places around one depend on besides the scene. */
+export type DarkerQuery = Query<"/api/v1/scenes/{scene}/darker">;
+/** What a night over a place depends on besides the scene. */
+export type NightQuery = Query<"/api/v1/scenes/{scene}/night">;
 /** What a plan depends on besides its sites. */
 export type PlanQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/plans">, "query">;
+/** A GeoJSON FeatureCollection of areas. */
+export type AreasBody = Body<Operation<"post", "/api/v1/scenes/{scene}/shares">>;
 export type ScatteringName = NonNullable<SkyParameters["scattering"]>;
 export type EmissionKeepName = NonNullable<SkyParameters["emission_keep"]>;
 
@@ -97,7 +105,7 @@ function post<P extends Path<"post">, O extends Operation<"post", P>>(
   query: Parameters<O, "query">,
   body: Body<O>,
   signal: AbortSignal,
-): Promise<Json<O, 201>> {
+): Promise<Json<O, 200> | Json<O, 201>> {
   const headers = { accept: "application/json", "content-type": "application/json" };
   return request(buildUrl(path, values, query), { method: "POST", signal, headers, body: JSON.stringify(body) });
 }
@@ -130,8 +138,13 @@ async function answered(url: string, init: RequestInit & { signal: AbortSignal }
 export const api = {
   scenes: (signal: AbortSignal) => get("/api/v1/scenes", {}, {}, signal),
   places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
+  /** Places of the world by name. */
+  worldPlaces: (name: string, signal: AbortSignal) => get("/api/v1/places", {}, { name }, signal),
   /** The night that begins on the evening of a date. */
   night: ({ lat, lon }: SkyParameters, date: string, signal: AbortSignal) => get("/api/v1/night", {}, { lat, lon, date }, signal),
+  /** The same night hour by hour, with the lights of the scene. */
+  nightHours: (scene: string, query: NightQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/night", { scene }, query, signal),
   atmospheres: (signal: AbortSignal) => get("/api/v1/atmospheres", {}, {}, signal),
   site: (scene: string, { lat, lon }: SkyParameters, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/site", { scene }, { lat, lon }, signal),
@@ -142,6 +155,19 @@ export const api = {
     const answer = await answered(url, { signal });
     return readCompactPanorama(await answer.arrayBuffer());
   },
+  /** Whose light it is, by town. */
+  shares: (scene: string, query: SharesQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/shares", { scene }, query, signal),
+  /** The same by areas. */
+  areaShares: (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal) =>
+    post("/api/v1/scenes/{scene}/shares", { scene }, query, areas, signal),
+  areaSharesFile: async (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
+    const url = buildUrl("/api/v1/scenes/{scene}/shares.csv", { scene }, query);
+    const headers = { accept: "text/csv", "content-type": "application/json" };
+    return (await answered(url, { method: "POST", signal, headers, body: JSON.stringify(areas) })).blob();
+  },
+  darker: (scene: string, query: DarkerQuery, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/darker", { scene }, query, signal),
   /** Finds what to dim. */
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),

@@ -3,14 +3,22 @@
 import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./schema.ts";
 
 export type {
+  AreaSharesAnswer as AreaShares,
   AtmosphereAnswer as Atmosphere,
+  DarkerAnswer as Darker,
+  DarkerPlaceAnswer as DarkerPlace,
   DimmedPixelAnswer as DimmedPixel,
+  FoundPlace,
   Night,
+  NightHourAnswer as NightHour,
+  NightHoursAnswer as NightHours,
   NightSkyAnswer as NightSky,
   PanoramaAnswer,
+  PlaceShare,
   PlanAnswer as Plan,
   Problem,
   ScenarioAnswer as Scenario,
+  SharesAnswer as Shares,
   SkyAnswer,
   TileJson,
 } from "./schema.ts";

@@ -18,6 +18,9 @@ export const english = {
     found: "Places found",
     coordinates: "coordinates",
     nothingFound: "No place of that name here. Coordinates and links of maps work too: -1.29, 36.82",
+    /** Of a place; then the same as a sentence. */
+    notCovered: "no scene covers it",
+    noSceneCovers: (place: string) => `No scene of this server covers ${place}.`,
     locate: "My place",
     scene: "Scene",
     redLight: "Red light",
@@ -36,6 +39,7 @@ export const english = {
     toggleCredits: "Toggle attribution",
     credits: "Outlines: Natural Earth",
     picked: "The picked place",
+    waiting: "Loading the map…",
     noOutlines: (status: number) => `the map's outlines did not load (${status})`,
   },
   layers: {
@@ -125,7 +129,9 @@ export const english = {
     slider: "Time of the night",
     date: "Night of",
     now: "Now",
-    darkest: "Darkest",
+    best: "Best hour",
+    /** `mag`: of the zenith, all light. */
+    bestTold: (time: string, mag: string) => `Best at ${time}: ${mag} mag/arcsec² overhead under a clear sky.`,
     none: "No time",
     noneWhy: "A dark sky to compare with: no Moon, no twilight",
     noneTold: "No time: a dark sky without Moon or twilight",
@@ -197,6 +203,44 @@ export const english = {
       "The Milky Way stands out clearly.",
     ],
     stars: (visible: string, all: string) => `You see about ${visible} of ${all} stars.`,
+    /** `more`: others with their parts, or nothing. */
+    glow: (percent: string, town: string, more: string) => `${percent} % of the glow comes from ${town}${more}.`,
+    glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
+    glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
+  },
+  /** Whose light the sky is. */
+  shares: {
+    overhead: "Whose light overhead",
+    inMarked: "Whose light in the marked part",
+    waiting: "Finding whose light it is…",
+    none: "No artificial light.",
+    here: "here",
+    away: (distanceKm: string, compass: string) => `${distanceKm} km ${compass}`,
+    show: "Show on the map",
+    others: (count: string) => `${count} other towns`,
+    areas: "Our municipality or areas",
+    areasLead: "A GeoJSON file of boundaries: each area gets its share under its own name.",
+    file: "GeoJSON file",
+    /** `file`: its name. */
+    areasOf: (file: string) => `Shares of ${file}`,
+    outside: "All others",
+    save: "Save as CSV",
+    forget: "Remove",
+    noGeojson: (file: string) => `${file} is no GeoJSON file.`,
+  },
+  /** Darker places nearby. */
+  darker: {
+    title: (distanceKm: string) => `Darker places within ${distanceKm} km`,
+    waiting: "Looking around…",
+    none: (distanceKm: string) => `No place within ${distanceKm} km is clearly darker.`,
+    lead: "Whether one may go there, and get there, nobody has checked.",
+    away: (distanceKm: string, compass: string) => `${distanceKm} km ${compass} away`,
+    gain: (mag: string) => `${mag} mag darker`,
+    clean: (directions: string) => `dark horizon: ${directions}`,
+    notClean: "bright horizon all around",
+    allAround: "all around",
+    fromTo: (first: string, last: string) => `${first} to ${last}`,
+    level: "level: a plain, or a lake",
   },
   numbers: {
     title: "The sky in numbers",
@@ -324,6 +368,9 @@ export const english = {
     find: "Find what to dim",
     searching: "Looking for the least light to take away…",
     darker: (share: string) => `${share} darker`,
+    /** `most`: where every light loses what it may. */
+    outOfReach: (wanted: string, most: string) =>
+      `${wanted} is out of reach: with every light dimmed as far as it may be, it gets ${most} darker.`,
     zenith: "Zenith, artificial",
     light: (share: string, flux: string, dimmed: string, lit: string) =>
       `This takes ${share} of the light within 300 km (${flux} upward, as the satellite sees it), from ${dimmed} of ${lit} lit pixels.`,

@@ -36,6 +36,7 @@ export class MapPanel {
       this.map = this.create(SkyMap);
       this.follow(this.map);
     } catch (reason) {
+      byId("map", HTMLElement).dataset.failed = "";
       this.store.report(new Error(words().problems.noMap(reason instanceof Error ? reason.message : String(reason))));
     }
   }
@@ -43,6 +44,11 @@ export class MapPanel {
   /** Moves so that a place is in view. */
   goTo(place: Place): void {
     this.map?.goTo(place);
+  }
+
+  /** Moves so that a town is in view beside the picked place. */
+  showTown(town: Place): void {
+    this.map?.showBeside(town);
   }
 
   resize(): void {
@@ -77,6 +83,8 @@ export class MapPanel {
       map.mark(place, isPicked);
       isPicked = true;
     });
+    store.watch(["shownTown"], ({ shownTown }) => map.showTown(shownTown));
+    store.watch(["darker"], ({ darker }) => map.showDarker(darker?.places ?? NOTHING));
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

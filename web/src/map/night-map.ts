@@ -42,12 +42,22 @@ export function mainMap(container: HTMLElement, view: MapView | null): MapLibreM
       "AttributionControl.ToggleAttribution": toggleCredits,
     },
   });
+  endDragsAnywhere(map);
   map.touchZoomRotate.disableRotation();
   map.keyboard.disableRotation();
   map.addControl(new NavigationControl({ showCompass: false }), "bottom-right");
   map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
   map.addControl(new AttributionControl({ compact: true, customAttribution: credits }), "bottom-left");
   return map;
+}
+
+/** MapLibre hears the end of a drag over the map alone; one that ends over a panel would go on. */
+function endDragsAnywhere(map: MapLibreMap): void {
+  const canvas = map.getCanvasContainer();
+  document.addEventListener("mouseup", ({ target, button, buttons, clientX, clientY }) => {
+    if (!map.dragPan.isActive() || (target instanceof Node && canvas.contains(target))) return;
+    canvas.dispatchEvent(new MouseEvent("mouseup", { button, buttons, clientX, clientY }));
+  });
 }
 
 /** The credits stand above the map; all of them are behind their button and hide none of it. */

@@ -1,10 +1,10 @@
 // The map: outlines, the scene's tiles, its places, and the picked place.
 
 import type { GeoJSON } from "geojson";
-import { type ErrorEvent, type GeoJSONSource, type Map as MapLibreMap, Marker } from "maplibre-gl";
+import { type ErrorEvent, type GeoJSONSource, LngLatBounds, type Map as MapLibreMap, Marker } from "maplibre-gl";
 import { ApiError, noAnswer } from "../api/problem.ts";
 import type { EditBody } from "../api/schema.ts";
-import type { Bounds, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
+import type { Bounds, DarkerPlace, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { PaintedArea } from "../lights/painting.ts";
 import type { LayerName, MapView, Place } from "../state/view-state.ts";
@@ -49,6 +49,8 @@ export class SkyMap {
   private readonly layers: RasterLayers;
   private readonly painter: Painter;
   private readonly failedSources = new Set<string>();
+  private readonly town: Marker;
+  private darker: Marker[] = [];
   private marked: Place | null = null;
   /** Whether the place was picked since the map was last moved by hand: only then may the map follow it. */
   private isFollowing = false;
@@ -77,6 +79,10 @@ export class SkyMap {
     pin.setAttribute("role", "img");
     pin.setAttribute("aria-label", words().map.picked);
     this.marker = new Marker({ element: pin, anchor: "center" });
+
+    const town = make("div", "shown-town");
+    town.setAttribute("aria-hidden", "true");
+    this.town = new Marker({ element: town, anchor: "center" });
 
     this.map.on("click", ({ lngLat }) => {
       if (this.painter.isPainting()) return;
@@ -127,14 +133,17 @@ export class SkyMap {
     failed(problemOf(event.error));
   }
 
+  private isInView({ longitude_deg, latitude_deg }: Place): boolean {
+    const { x, y } = this.map.project([longitude_deg, latitude_deg]);
+    const { clientWidth, clientHeight } = this.map.getContainer();
+    return x > EDGE_PX && y > EDGE_PX && x < clientWidth - EDGE_PX && y < clientHeight - EDGE_PX;
+  }
+
   /** When the sky takes its part of the page, the picked place must not end up behind it. */
   private keepInView(): void {
     const place = this.marked;
     if (place === null || !this.isFollowing) return;
-    const { x, y } = this.map.project([place.longitude_deg, place.latitude_deg]);
-    const { clientWidth, clientHeight } = this.map.getContainer();
-    const inside = x > EDGE_PX && y > EDGE_PX && x < clientWidth - EDGE_PX && y < clientHeight - EDGE_PX;
-    if (!inside && clientHeight > 2 * EDGE_PX)
+    if (!this.isInView(place) && this.map.getContainer().clientHeight > 2 * EDGE_PX)
       this.map.easeTo({ center: [place.longitude_deg, place.latitude_deg], duration: MOVE_MS });
   }
 
@@ -244,6 +253,36 @@ export class SkyMap {
       zoom: Math.max(this.map.getZoom(), 7),
       duration: MOVE_MS,
     });
+  }
+
+  /** Shows a town that someone points at. */
+  showTown(town: NamedPlace | null): void {
+    this.town.remove();
+    if (town === null) return;
+    this.town.getElement().textContent = town.name;
+    this.town.setLngLat([town.longitude_deg, town.latitude_deg]).addTo(this.map);
+  }
+
+  /** Marks darker places by their rank; their list says the same. */
+  showDarker(places: readonly DarkerPlace[]): void {
+    for (const marker of this.darker) marker.remove();
+    this.darker = places.map(({ rank, latitude_deg, longitude_deg }) => {
+      const element = make("div", "darker-mark", String(rank));
+      element.setAttribute("aria-hidden", "true");
+      element.addEventListener("click", (event) => {
+        event.stopPropagation();
+        this.events.picked({ latitude_deg, longitude_deg });
+      });
+      return new Marker({ element, anchor: "center" }).setLngLat([longitude_deg, latitude_deg]).addTo(this.map);
+    });
+  }
+
+  /** Moves so that a place and the picked one are in view. */
+  showBeside(place: Place): void {
+    if (this.isInView(place)) return;
+    const bounds = new LngLatBounds();
+    for (const { longitude_deg, latitude_deg } of [place, this.marked ?? place]) bounds.extend([longitude_deg, latitude_deg]);
+    this.map.fitBounds(bounds, { padding: 2 * EDGE_PX, maxZoom: this.map.getZoom(), duration: MOVE_MS });
   }
 
   jumpTo(view: MapView): void {

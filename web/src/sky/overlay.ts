@@ -59,6 +59,61 @@ export function drawTowns(
   }
 }
 
+export type TownDirection = Pick<TownOnHorizon, "name" | "azimuthDeg">;
+
+/** From where to where above the horizon the arrow to a town reaches: its name may stand below. */
+const ARROW_FROM_DEG = 24;
+const ARROW_TO_DEG = 10;
+const ARROW_PX = 5;
+
+/** An arrow down to a town behind the horizon, with its name. */
+export function drawTown(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  plot: Plot,
+  grid: SkyGrid,
+  { name, azimuthDeg }: TownDirection,
+): void {
+  const horizonDeg = Math.max(grid.horizonAt(azimuthDeg), 0);
+  const [from, to] = [ARROW_FROM_DEG, ARROW_TO_DEG].map((aboveDeg) =>
+    projection.pointFromDirection({ azimuthDeg, elevationDeg: Math.min(horizonDeg + aboveDeg, 90) }),
+  );
+  if (from === undefined || to === undefined || Number.isNaN(from.xPx + to.xPx)) return;
+  const length = Math.max(Math.hypot(to.xPx - from.xPx, to.yPx - from.yPx), 1);
+  const [x, y] = [(to.xPx - from.xPx) / length, (to.yPx - from.yPx) / length];
+  context.save();
+  clip(context, plot);
+  context.font = font(13, 650);
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.lineJoin = "round";
+  const halfPx = context.measureText(name).width / 2 + 3;
+  const nameXPx = Math.min(Math.max(from.xPx - 12 * x, plot.leftPx + halfPx), plot.leftPx + plot.widthPx - halfPx);
+  const nameYPx = Math.max(from.yPx - 12 * y, plot.topPx + 9);
+  context.strokeStyle = "rgba(0, 0, 0, 0.85)";
+  context.lineWidth = 4;
+  context.strokeText(name, nameXPx, nameYPx);
+  context.fillStyle = "#6ff0dc";
+  context.fillText(name, nameXPx, nameYPx);
+  for (const [colour, width] of [
+    ["rgba(0, 0, 0, 0.75)", 5],
+    ["#6ff0dc", 2],
+  ] as const) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    stroke(context, [
+      [from.xPx, from.yPx],
+      [to.xPx, to.yPx],
+    ]);
+    for (const side of [-1, 1])
+      stroke(context, [
+        [to.xPx - ARROW_PX * (x + side * y), to.yPx - ARROW_PX * (y - side * x)],
+        [to.xPx, to.yPx],
+      ]);
+  }
+  context.restore();
+}
+
 /** A curve on the sky, closed or still being drawn. Where the strip ends it goes on at the other side. */
 export function drawCurve(
   context: CanvasRenderingContext2D,

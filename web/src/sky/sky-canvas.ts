@@ -6,7 +6,7 @@ import type { Place } from "../state/view-state.ts";
 import { drawFrame } from "./frame.ts";
 import { GpuPainter } from "./gpu-painter.ts";
 import type { SkyGrid } from "./grid.ts";
-import { drawCross, drawCurve, drawHorizon, drawTowns } from "./overlay.ts";
+import { drawCross, drawCurve, drawHorizon, drawTown, drawTowns, type TownDirection } from "./overlay.ts";
 import { paintSky } from "./paint.ts";
 import {
   equirectangular,
@@ -45,6 +45,8 @@ export interface SkyMarks {
   trail: Region | null;
   region: Region | null;
   pointed: SkyDirection | null;
+  /** A town that someone points at elsewhere. */
+  town: TownDirection | null;
 }
 
 /** Room for a town's name along the horizon. */
@@ -127,10 +129,10 @@ export class SkyCanvas {
   }
 
   /** Draws the curve and the cross. */
-  drawMarks(grid: SkyGrid | null, { trail, region, pointed }: SkyMarks): void {
+  drawMarks(grid: SkyGrid | null, { trail, region, pointed, town }: SkyMarks): void {
     const context = this.overlay.getContext("2d");
     if (context === null || this.projection === null) return;
-    const isMarked = grid !== null && (trail ?? region ?? pointed) !== null;
+    const isMarked = grid !== null && (trail ?? region ?? pointed ?? town) !== null;
     // What is empty and stays so need not be shown anew.
     if (isMarked || this.isMarked) context.clearRect(0, 0, this.overlay.width, this.overlay.height);
     this.isMarked = isMarked;
@@ -138,6 +140,7 @@ export class SkyCanvas {
     context.setTransform(this.scale, 0, 0, this.scale, 0, 0);
     if (trail !== null) drawCurve(context, this.projection, this.plot, trail, false);
     else if (region !== null) drawCurve(context, this.projection, this.plot, region, true);
+    if (town !== null) drawTown(context, this.projection, this.plot, grid, town);
     if (pointed !== null) drawCross(context, this.projection, grid.nearest(pointed.azimuthDeg, pointed.elevationDeg));
     context.setTransform(1, 0, 0, 1, 0, 0);
   }

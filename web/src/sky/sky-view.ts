@@ -2,6 +2,7 @@
 
 import type { AppStore } from "../state/app-store.ts";
 import { make } from "../ui/dom.ts";
+import { distanceAndBearing } from "../ui/nearby.ts";
 import { movedCursor } from "./cursor.ts";
 import { gazeOf, turnGaze, ZOOM_STEP, zoomGaze } from "./gaze.ts";
 import type { Gaze, SkyDirection } from "./projection.ts";
@@ -40,7 +41,7 @@ export class SkyView {
     store.watch(["split"], ({ panoramaToday }) => {
       if (panoramaToday !== null) this.drawSoon();
     });
-    store.watch(["region"], () => this.drawMarks());
+    store.watch(["region", "shownTown"], () => this.drawMarks());
     store.watch(["isDrawing"], ({ isDrawing }) => {
       this.drawing.set(isDrawing);
       overlay.classList.toggle("drawing", isDrawing);
@@ -138,7 +139,12 @@ export class SkyView {
   }
 
   private marks() {
-    return { trail: this.drawing.trail, region: this.store.state.region, pointed: this.pointed };
+    const { region, place, shownTown } = this.store.state;
+    const town =
+      place === null || shownTown === null
+        ? null
+        : { name: shownTown.name, azimuthDeg: distanceAndBearing(place, shownTown).bearingDeg };
+    return { trail: this.drawing.trail, region, pointed: this.pointed, town };
   }
 
   /** Two fingers zoom; whether there are two. */

@@ -14,7 +14,7 @@ import {
   sceneOf,
   todaysConditions,
 } from "./app-state.ts";
-import { DEFAULT_STATE } from "./view-state.ts";
+import { DEFAULT_STATE, withLayer } from "./view-state.ts";
 
 const PLAN = "p-0123456789abcdef0123";
 const DEFAULT = initialState({ ...DEFAULT_STATE });
@@ -84,4 +84,12 @@ test("the scene is that of the place", () => {
   assert.equal(at(-17, -179), "fiji");
   assert.equal(at(-17, 0), null);
   assert.deepEqual(bestFirst(scenes)[3]?.id, "demo");
+});
+
+/** Two colour scales over each other say nothing: one is on at a time. Terrain has no colours. */
+test("one coloured layer is on at a time", () => {
+  const layers = { elevation: 0.6, brightness: 0, radiance: 0.85, influence: 0 };
+  assert.deepEqual(withLayer(layers, "influence", 0.9), { elevation: 0.6, brightness: 0, radiance: 0, influence: 0.9 });
+  assert.deepEqual(withLayer(layers, "elevation", 0.3), { ...layers, elevation: 0.3 });
+  assert.deepEqual(withLayer(layers, "influence", 0), layers);
 });

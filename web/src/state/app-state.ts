@@ -1,7 +1,22 @@
 // The whole state: what a link holds, and the answers of the server.
 
-import type { InfluenceQuery, SkyParameters } from "../api/client.ts";
-import type { Atmosphere, Bounds, NamedPlace, Night, Plan, Scenario, Scene, Site, SkyAnswer, SkyQuantities } from "../api/types.ts";
+import type { AreasBody, DarkerQuery, InfluenceQuery, NightQuery, SharesQuery, SkyParameters } from "../api/client.ts";
+import type {
+  AreaShares,
+  Atmosphere,
+  Bounds,
+  Darker,
+  NamedPlace,
+  Night,
+  NightHours,
+  Plan,
+  Scenario,
+  Scene,
+  Shares,
+  Site,
+  SkyAnswer,
+  SkyQuantities,
+} from "../api/types.ts";
 import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
@@ -16,6 +31,12 @@ import type { LayerName, Place, ViewState } from "./view-state.ts";
 export interface Comparison {
   before: SkyQuantities;
   after: SkyQuantities;
+}
+
+/** Boundaries that somebody chose as a file. */
+export interface Areas {
+  fileName: string;
+  body: AreasBody;
 }
 
 export interface AppState extends ViewState {
@@ -35,8 +56,22 @@ export interface AppState extends ViewState {
   answer: SkyAnswer | null;
   /** The night that the time lies in, over the picked place; without a time tonight. */
   night: Night | null;
+  /** The same hour by hour: it comes after the sky. */
+  nightHours: NightHours | null;
   /** What painted lights change: the numbers of the sky without and with them. */
   comparison: Comparison | null;
+  /** Whose light the sky is, or its marked part: it comes after the sky. */
+  shares: Shares | null;
+  areas: Areas | null;
+  /** The same by those areas. */
+  areaShares: AreaShares | null;
+  /** Whether shares are on their way. */
+  isSharing: boolean;
+  /** Whether darker places are looked for, and shown. */
+  isDarkerOpen: boolean;
+  darker: Darker | null;
+  /** The town that is shown on the map and in the sky while someone points at its name. */
+  shownTown: NamedPlace | null;
   panorama: SkyGrid | null;
   /** The panorama of today's lights, where it is shown beside that of others. */
   panoramaToday: SkyGrid | null;
@@ -70,7 +105,15 @@ export function initialState(view: ViewState): AppState {
     site: null,
     answer: null,
     night: null,
+    nightHours: null,
     comparison: null,
+    shares: null,
+    areas: null,
+    areaShares: null,
+    isSharing: false,
+    isDarkerOpen: false,
+    darker: null,
+    shownTown: null,
     panorama: null,
     panoramaToday: null,
     skyAspect: 1,
@@ -199,4 +242,24 @@ export function coordinatesOf({ latitude_deg, longitude_deg }: Place): { lat: nu
 export function influenceQuery({ measure, region }: State, place: Place, conditions: Conditions): InfluenceQuery {
   const marked = measure === "region" && region !== null ? { region: textFromRegion(region) } : {};
   return { ...coordinatesOf(place), ...conditions, measure, ...marked };
+}
+
+/** The zenith's shares, or those of the part of the sky that is marked. */
+export function sharesQuery(state: State, place: Place): SharesQuery {
+  const { region } = state;
+  const marked =
+    region === null ? ({ measure: "zenith" } as const) : { measure: "region" as const, region: textFromRegion(region) };
+  return { ...coordinatesOf(place), ...pictureConditions(state), ...marked };
+}
+
+/** Darker places are looked for under a clear sky. */
+export function darkerQuery(state: State, place: Place): DarkerQuery {
+  const { clouds: _, ...clear } = pictureConditions(state);
+  return { ...coordinatesOf(place), ...clear };
+}
+
+/** Hours are told of a clear sky, in total light. */
+export function nightQuery(state: State, place: Place, date: string): NightQuery {
+  const { clouds: _clouds, response: _response, ...clear } = conditionsOf(state);
+  return { ...coordinatesOf(place), ...clear, date };
 }

@@ -7,7 +7,7 @@ import { Store } from "../store.ts";
 import { debounced } from "../ui/dom.ts";
 import { type AppState, initialState, sceneFor } from "./app-state.ts";
 import { fragmentFromState, stateFromFragment } from "./fragment.ts";
-import { DEFAULT_STATE, type Place } from "./view-state.ts";
+import { DEFAULT_STATE, type Place, withLayer } from "./view-state.ts";
 
 /** What the browser's history brings back. How it is shown stays as it is: Back undoes a pick, and not the colours chosen after it. */
 const STEPS = ["scene", "place", "scenario", "time", "region", "measure", "view"] as const;
@@ -61,7 +61,7 @@ export class AppStore extends Store<AppState> {
   markRegion(region: Region | null): void {
     const { layers, measure } = this.state;
     const influence = layers.influence === 0 ? SHOWN_INFLUENCE : layers.influence;
-    if (region !== null) this.push({ region, measure: "region", layers: { ...layers, influence } });
+    if (region !== null) this.push({ region, measure: "region", layers: withLayer(layers, "influence", influence) });
     else this.push({ region, measure: measure === "region" ? "zenith" : measure });
   }
 

@@ -21,6 +21,8 @@ export const DEFAULT_TURBIDITY = 2.5;
 /** From the lowest to the highest on the map. */
 export const LAYERS = ["elevation", "brightness", "radiance", "influence"] as const;
 export type LayerName = (typeof LAYERS)[number];
+/** Layers in the colours of a scale: over each other they say nothing. */
+const COLOURED: readonly LayerName[] = ["brightness", "radiance", "influence"];
 
 /** What of the sky lights have their part in, as far as the viewer shows it. */
 export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
@@ -114,3 +116,10 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   region: null,
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
+
+/** The layers with one of another opacity: of those with a colour scale one is on at a time. */
+export function withLayer(layers: ViewState["layers"], name: LayerName, opacity: number): ViewState["layers"] {
+  const isAlone = opacity > 0 && COLOURED.includes(name);
+  const others = isAlone ? Object.fromEntries(COLOURED.map((other) => [other, 0])) : {};
+  return { ...layers, ...others, [name]: opacity };
+}

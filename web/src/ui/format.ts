@@ -14,6 +14,13 @@ export function fixed(value: number, decimals: number): string {
   return decimal(value.toFixed(decimals));
 }
 
+/** A share as people say it: 0.3 %, 12 %. */
+export function percent(share: number): string {
+  const size = 100 * share;
+  if (size > 0 && size < 0.1) return `< ${decimal(0.1)} %`;
+  return `${size < 9.95 ? fixed(size, 1) : fixed(size, 0)} %`;
+}
+
 /** A whole number, its thousands apart. */
 export function whole(value: number): string {
   return value.toLocaleString(words().locale);

@@ -3,7 +3,7 @@
 import { words } from "../language/words.ts";
 import { type AppState, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { LAYERS, type LayerName, type MeasureName } from "../state/view-state.ts";
+import { LAYERS, type LayerName, type MeasureName, withLayer } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 import { showLayerState } from "./layer-legend.ts";
 import { setRegionOption } from "./select.ts";
@@ -23,7 +23,7 @@ function mountLayer(store: AppStore, layer: LayerName): void {
   const box = byId(`layer-${layer}`, HTMLInputElement);
   const slider = byId(`opacity-${layer}`, HTMLInputElement);
   const hintBelow = byId(`layer-hint-${layer}`, HTMLElement);
-  const changed = () => store.set({ layers: { ...store.state.layers, [layer]: box.checked ? Number(slider.value) : 0 } });
+  const changed = () => store.set({ layers: withLayer(store.state.layers, layer, box.checked ? Number(slider.value) : 0) });
   box.addEventListener("change", changed);
   slider.addEventListener("input", changed);
   const show = (state: Readonly<AppState>) => {

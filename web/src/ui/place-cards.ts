@@ -1,19 +1,39 @@
 // What is there for a picked place: its night, numbers, plans, paint and files. The page loads it with the first place.
 
-import { followNight } from "../data/night-session.ts";
+import type { NamedPlace } from "../api/types.ts";
+import { DarkerSession } from "../data/darker-session.ts";
+import { followNight, followNightHours } from "../data/night-session.ts";
+import { SharesSession } from "../data/shares-session.ts";
 import type { Lights } from "../lights/lights.ts";
 import type { AppStore } from "../state/app-store.ts";
+import type { Place } from "../state/view-state.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
+import { mountDarker } from "./darker.ts";
 import { mountDownloads } from "./downloads.ts";
 import { mountNumbers } from "./numbers.ts";
 import { PaintCard } from "./paint-card.ts";
 import { PlanCard } from "./plan-card.ts";
 import { mountShare } from "./share.ts";
+import { mountShares } from "./shares.ts";
 import { TimeLine } from "./time-line.ts";
 
-export function mountPlaceCards(store: AppStore, lights: Lights): PaintCard {
+/** What they move the map to. */
+export interface MapMoves {
+  showTown: (town: NamedPlace) => void;
+  goTo: (place: Place) => void;
+}
+
+export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves): PaintCard {
   followNight(store);
+  followNightHours(store);
+  new SharesSession(store);
+  mountShares(store, (town) => map.showTown(town));
   new TimeLine(store);
+  new DarkerSession(store);
+  mountDarker(store, (place) => {
+    store.pick({ latitude_deg: place.latitude_deg, longitude_deg: place.longitude_deg });
+    map.goTo(place);
+  });
   mountNumbers(store);
   mountColourNumbers(store);
   mountDownloads(store);

@@ -8,8 +8,8 @@ import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { comparisonRows } from "./comparison.ts";
-import { byId, inEnglish, make } from "./dom.ts";
-import { decimal, fixed, magnitude, whole, withPrefix } from "./format.ts";
+import { byId, make } from "./dom.ts";
+import { fixed, magnitude, percent, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
 import { PlanForm } from "./plan-form.ts";
 
@@ -21,13 +21,6 @@ function measureWords(measure: string): string {
   const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
   const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
   return known[measure as PlanMeasure] ?? measure;
-}
-
-/** A share as people say it: 0.3 %, 12 %. */
-export function percent(share: number): string {
-  const size = 100 * share;
-  if (size > 0 && size < 0.1) return `< ${decimal(0.1)} %`;
-  return `${size < 9.95 ? fixed(size, 1) : fixed(size, 0)} %`;
 }
 
 /** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
@@ -71,7 +64,8 @@ export class PlanCard {
       const name = placeName(site.observer, places);
       const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
       reached.dataset.reducedBy = String(site.reduced_by);
-      const unmet = site.target?.why_not == null ? [] : [inEnglish(make("p", "warning", site.target.why_not))];
+      const { target, before } = site;
+      const unmet = target == null || target.is_met || before <= 0 ? [] : [make("p", "warning", outOfReach(target, before))];
       return [reached, ...unmet];
     });
   }
@@ -125,6 +119,11 @@ export class PlanCard {
     button.addEventListener("click", () => this.lights.drop());
     return button;
   }
+}
+
+/** Why a goal is not met: how far all lights together go. */
+function outOfReach({ wanted, least }: { wanted: number; least: number }, before: number): string {
+  return words().plan.outOfReach(percent(1 - wanted / before), percent(1 - least / before));
 }
 
 function changeRow(title: string, before: string, after: string, unit: string): HTMLElement {

@@ -6,6 +6,7 @@ import type { Lights } from "../lights/lights.ts";
 import { PLAN_MEASURES, type PlanMethod, type PlanRequest } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import type { MeasureName } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 import { decimal } from "./format.ts";
 import { wireGroup } from "./group.ts";
@@ -44,11 +45,18 @@ export class PlanForm {
       if (Number(this.lower.value) > Number(this.upper.value)) this.lower.value = this.upper.value;
       moved();
     });
-    this.measure.addEventListener("change", moved);
+    // What of the sky it is about is chosen once, for the plan and for the map's lights that cause it.
+    this.measure.addEventListener("change", () => {
+      store.set({ measure: this.measure.value as MeasureName });
+      moved();
+    });
     this.find.addEventListener("click", () => lights.find(this.request()));
     this.pressMethod(this.method);
     this.setMethod(this.method);
-    store.watch(["region"], ({ region }) => setRegionOption(this.measure, region !== null));
+    store.watch(["region", "measure"], ({ region, measure }) => {
+      setRegionOption(this.measure, region !== null);
+      this.showMeasure(measure);
+    });
     store.watch(["isSearching"], ({ isSearching }) => {
       // Sliders go on while the last of their plans is on its way.
       this.find.disabled = isSearching && this.method === "target";
@@ -84,9 +92,13 @@ export class PlanForm {
       this.setMethod("target");
     }
     this.pressMethod(this.method);
-    if ([...this.measure.options].some(({ value, disabled }) => value === site.measure && !disabled))
-      this.measure.value = site.measure;
+    this.showMeasure(site.measure);
     this.showValues();
+  }
+
+  /** Where a plan can be about it. */
+  private showMeasure(measure: string): void {
+    if ([...this.measure.options].some(({ value, disabled }) => value === measure && !disabled)) this.measure.value = measure;
   }
 
   private request(): PlanRequest {
@@ -111,6 +123,7 @@ export class PlanForm {
     if (norm !== undefined) {
       norm.hidden = norm.disabled = method === "target";
       if (norm.disabled && this.measure.value === "norm") this.measure.value = "zenith";
+      else this.showMeasure(this.store.state.measure);
     }
     const { lead, leadThreshold, find, findThreshold } = words().plan;
     byId("plan-lead", HTMLElement).textContent = method === "target" ? lead : leadThreshold;

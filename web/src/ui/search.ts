@@ -8,8 +8,12 @@ import type { Place } from "../state/view-state.ts";
 import { placeFromText } from "./coordinates.ts";
 import { byId, make } from "./dom.ts";
 import { coordinates, whole } from "./format.ts";
+import { type SearchResult, WorldSearch, worldResults } from "./world-search.ts";
 
 const MAX_RESULTS = 8;
+/** With those of the world below them. */
+const MAX_OWN_RESULTS = 6;
+const MAX_ALL_RESULTS = 10;
 
 function folded(text: string): string {
   return text
@@ -43,11 +47,16 @@ export function matchingPlaces<P extends NamedPlace>(places: readonly P[], text:
 export class Search {
   private readonly input = byId("search", HTMLInputElement);
   private readonly list = byId("search-list", HTMLElement);
-  private results: { title: string; detail: string; place: Place }[] = [];
+  private results: { title: string; detail: string; place: Place; isCovered: boolean }[] = [];
+  /** Whether more may come. */
+  private isPending = false;
   private active = -1;
   /** Places of other scenes, asked for once someone searches. */
   private others: SearchedPlace[] = [];
   private asked = "";
+  private readonly world = new WorldSearch(() => {
+    if (document.activeElement === this.input) this.lookUp(this.active);
+  });
 
   constructor(
     private readonly store: AppStore,
@@ -63,18 +72,31 @@ export class Search {
     input.addEventListener("keydown", (event) => this.keyPressed(event));
   }
 
-  private lookUp(): void {
+  private lookUp(active = 0): void {
     const at = placeFromText(this.input.value);
+    if (at !== null) this.world.stop();
+    this.isPending = false;
     this.results =
       at !== null
-        ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at }]
-        : matchingPlaces(this.allPlaces(), this.input.value).map((place) => ({
-            title: place.name,
-            detail: place.sceneTitle ?? (place.population ? whole(place.population) : ""),
-            place,
-          }));
-    this.active = this.results.length > 0 ? 0 : -1;
+        ? [{ title: coordinates(at.latitude_deg, at.longitude_deg), detail: words().top.coordinates, place: at, isCovered: true }]
+        : this.namedResults(this.input.value);
+    // What comes later is added below, and moves nobody's choice.
+    this.active = Math.min(Math.max(active, 0), this.results.length - 1);
     this.render();
+  }
+
+  private namedResults(text: string): SearchResult[] {
+    const { scenes, scene } = this.store.state;
+    const own = matchingPlaces(this.allPlaces(), text).slice(0, MAX_OWN_RESULTS);
+    const found = this.world.places(text);
+    this.isPending = found === null;
+    const results = own.map((place) => ({
+      title: place.name,
+      detail: place.sceneTitle ?? (place.population ? whole(place.population) : ""),
+      place,
+      isCovered: true,
+    }));
+    return [...results, ...worldResults(found ?? [], own, scenes, scene)].slice(0, MAX_ALL_RESULTS);
   }
 
   private allPlaces(): SearchedPlace[] {
@@ -109,7 +131,7 @@ export class Search {
   }
 
   private render(): void {
-    const isEmpty = this.results.length === 0 && this.input.value.trim() !== "";
+    const isEmpty = this.results.length === 0 && !this.isPending && this.input.value.trim() !== "";
     this.list.replaceChildren(
       ...this.results.map(({ title, detail }, i) => {
         const option = make("li", i === this.active ? "active" : "", make("span", "", title), make("small", "", detail));
@@ -130,6 +152,7 @@ export class Search {
   }
 
   private close(): void {
+    this.world.stop();
     this.results = [];
     this.list.hidden = true;
     this.input.setAttribute("aria-expanded", "false");
@@ -140,6 +163,10 @@ export class Search {
     if (result === undefined) return;
     this.input.value = result.title;
     this.close();
+    if (!result.isCovered) {
+      this.store.report(new Error(words().top.noSceneCovers(result.title)));
+      return;
+    }
     // On a phone the keyboard goes away; elsewhere who types goes on from here.
     if (matchMedia("(pointer: coarse)").matches) this.input.blur();
     this.chosen({ latitude_deg: result.place.latitude_deg, longitude_deg: result.place.longitude_deg });

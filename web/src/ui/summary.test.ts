@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { NightSky, SkyAnswer } from "../api/types.ts";
-import { aboutStars, summaryOf } from "./summary.ts";
+import { aboutStars, glowSentence, summaryOf } from "./summary.ts";
 
 const SKY = { bortle_class: 5, ratio_to_natural: 2.4, zenith_luminance_cd_m2: 4e-4, naked_eye_limit_mag: 5.5 };
 
@@ -63,4 +63,19 @@ test("Sun and Moon come before lamps they outshine", () => {
 
 test("stars are told in round numbers", () => {
   assert.deepEqual([0, 87, 636, 2449].map(aboutStars), ["0", "87", "640", "2,400"]);
+});
+
+/** Two towns are named at most, none where each has little, and none by day, in a pristine sky or for a marked part. */
+test("the glow is told by its towns", () => {
+  const of = (...shares: number[]) => ({
+    measure: "zenith",
+    places: shares.map((share, i) => ({ share, name: ["Milano", "Como", "Lecco"][i] })) as never[],
+  });
+  assert.equal(glowSentence(answerOf({}), of(0.641, 0.118, 0.1)), "64 % of the glow comes from Milano, 12 % from Como.");
+  assert.equal(glowSentence(answerOf({}), of(0.897, 0.04)), "90 % of the glow comes from Milano.");
+  assert.equal(glowSentence(answerOf({}), of(0.032, 0.03)), "The glow comes from many towns, at most 4 % from each.");
+  assert.equal(glowSentence(answerOf({}), { ...of(0.9), measure: "region" }), "");
+  assert.equal(glowSentence(answerOf({ ratio_to_natural: 0.002 }), of(0.9)), "");
+  assert.equal(glowSentence(answerOf({}, 1, nightOf({ sun: 1e3 }, 12, -10, null)), of(0.9)), "");
+  assert.equal(glowSentence(answerOf({}), of()), "");
 });

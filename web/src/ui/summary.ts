@@ -1,6 +1,6 @@
 // One sentence first: what the sky is like, in plain words.
 
-import type { NightSky, SkyAnswer } from "../api/types.ts";
+import type { NightSky, Shares, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
@@ -16,6 +16,10 @@ const MILKY_WAY_CONTRASTS = [0.05, 0.15, 0.4] as const;
 const MILKY_WAY_LIMITS_MAG = [5, 5.6, 6.2] as const;
 /** The Sun's upper limb is at the horizon, by standard refraction. */
 const SUN_SETS_DEG = -0.833;
+
+/** Towns with less of the glow are not named in the sentence, and no more than these. */
+const NAMED_SHARE = 0.05;
+const MAX_NAMED = 2;
 
 type Summarized = Pick<SkyAnswer, "sky" | "coverage" | "night_sky">;
 
@@ -82,15 +86,33 @@ export function summaryOf(answer: Summarized): string[] {
   return [first, milkyWay(answer), stars].filter((sentence) => sentence !== "");
 }
 
+/** Whose light it is overhead, in a sentence; empty where there is nothing to say. */
+export function glowSentence({ sky, night_sky }: Summarized, { measure, places }: Pick<Shares, "measure" | "places">): string {
+  const say = words().summary;
+  const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
+  const [first, ...others] = places;
+  if (measure !== "zenith" || first === undefined || isDay || sky.ratio_to_natural < PRISTINE_RATIO) return "";
+  const percent = (share: number) => whole(Math.round(100 * share));
+  if (first.share < NAMED_SHARE) return say.glowOfMany(whole(Math.ceil(100 * first.share)));
+  const named = others.filter(({ share }, i) => share >= NAMED_SHARE && i < MAX_NAMED - 1);
+  return say.glow(percent(first.share), first.name, named.map(({ share, name }) => say.glowToo(percent(share), name)).join(""));
+}
+
 export function mountSummary(store: AppStore): void {
   const container = byId("summary", HTMLElement);
-  store.watch(["answer", "site"], ({ answer, site }) => {
+  const glow = make("span", "");
+  store.watch(["answer", "site", "isBusy"], ({ answer, site, isBusy }) => {
     // It stays while the next one is on its way: what is read aloud is a sentence, not a gap.
     if (answer === null) {
-      if (site === null) container.replaceChildren();
+      if (site === null) container.replaceChildren(...(isBusy ? [words().sky.waiting] : []));
       return;
     }
     const [first = "", ...others] = summaryOf(answer);
-    container.replaceChildren(make("strong", "", first), ...others.map((sentence) => ` ${sentence}`));
+    container.replaceChildren(make("strong", "", first), ...others.map((sentence) => ` ${sentence}`), glow);
+  });
+  // It comes later, and is then read aloud alone.
+  store.watch(["shares", "answer"], ({ shares, answer }) => {
+    const sentence = shares === null || answer === null ? "" : glowSentence(answer, shares);
+    glow.textContent = sentence === "" ? "" : ` ${sentence}`;
   });
 }

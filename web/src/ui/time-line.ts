@@ -21,6 +21,7 @@ import type { AppState } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, debounced, make } from "./dom.ts";
 import { whole } from "./format.ts";
+import { bestOf, bestText, drawNightCurve } from "./night-curve.ts";
 
 const HOUR_MS = 60 * MINUTE_MS;
 const DAY_MS = 24 * HOUR_MS;
@@ -44,9 +45,11 @@ export class TimeLine {
     });
     this.date.addEventListener("change", () => this.chooseDate(this.date.value));
     byId("time-now", HTMLButtonElement).addEventListener("click", () => store.set({ time: timeOf(Date.now()) }));
-    byId("time-darkest", HTMLButtonElement).addEventListener("click", () => {
-      const { night } = store.state;
-      if (night !== null) store.set({ time: timeOf(darkestOf(night)) });
+    byId("time-best", HTMLButtonElement).addEventListener("click", () => {
+      const { night, nightHours } = store.state;
+      const best = nightHours === null ? null : bestOf(nightHours);
+      // Until the hours are there, and where none is dark, it goes by the Sun and the Moon.
+      if (night !== null) store.set({ time: timeOf(best?.atMs ?? darkestOf(night)) });
     });
     this.none.addEventListener("click", () => {
       setSoon.cancel();
@@ -55,6 +58,16 @@ export class TimeLine {
     store.watch(["night"], ({ night, place }) => {
       byId("time-line", HTMLElement).hidden = night === null;
       if (night !== null && place !== null) this.showNight(night, place.longitude_deg);
+    });
+    store.watch(["nightHours", "night"], ({ nightHours, night, place }) => {
+      const curve = byId("night-curve", HTMLElement);
+      const told = byId("night-best", HTMLElement);
+      told.textContent = "";
+      if (night === null || place === null) return;
+      const range = rangeOf(night);
+      const hours = nightHours?.night.date === night.date ? nightHours : null;
+      drawNightCurve(curve, hours, range);
+      if (hours !== null) told.textContent = bestText(hours, clockAt(range.fromMs, place.longitude_deg));
     });
     store.watch(["time", "night"], (state) => this.showTime(state));
   }

@@ -1,0 +1,128 @@
+// Whose light it is, by name: towns below the picture, and the areas of somebody's own file.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { test } from "node:test";
+import { assertNoFaults, getJson, openPage, PHONE, shot, skyShown } from "./support/browser.mjs";
+import { skyPath } from "./support/sky.mjs";
+import { browser, fragment, here } from "./support/stage.mjs";
+
+const rows = (page) => page.locator("#shares-list li").allTextContents();
+const REGION = "170,10;190,10;190,30;170,30";
+
+/** The largest shares are listed as the API has them, and told in the sentence; they are asked for after the picture. */
+test("towns are listed by their shares", async () => {
+  for (const device of [undefined, PHONE]) {
+    const opened = await openPage(browser, fragment(here.beside), device);
+    const { page, context, asked } = opened;
+    await page.waitForSelector("#shares-list button");
+    const { places, measure } = await getJson(skyPath(here.scene, "shares", here.beside, "&limit=12"));
+    assert.equal(measure, "zenith");
+    const [first = ""] = await rows(page);
+    assert.ok(first.startsWith(places[0].name), first);
+    const told = Number(first.match(/([\d.]+) %$/)[1]);
+    assert.ok(Math.abs(told - 100 * places[0].share) < 0.51, `${first} for ${places[0].share}`);
+    const sentence = await page.locator("#summary").textContent();
+    assert.match(sentence, new RegExp(`\\d+ % of the glow comes from ${places[0].name}`));
+    const order = (part) => asked.findIndex((path) => path.includes(part));
+    assert.ok(order("/shares?") > order("/panorama.sky?") && order("/panorama.sky?") >= 0);
+    await shot(page, device === PHONE ? "shares-phone" : "shares");
+    assertNoFaults(opened);
+    await context.close();
+  }
+});
+
+/** A town that is pointed at or has the focus is shown on the map, until the focus leaves it. */
+test("a town in the list shows on the map", async () => {
+  const opened = await openPage(browser, fragment(here.beside));
+  const { page, context } = opened;
+  const button = page.locator("#shares-list button").first();
+  await button.focus();
+  const name = (await button.locator("span").evaluate((span) => span.firstChild.textContent)) ?? "";
+  assert.equal(await page.locator(".shown-town").textContent(), name);
+  await page.locator("#search").focus();
+  await page.waitForSelector(".shown-town", { state: "detached" });
+  await button.hover();
+  assert.equal(await page.locator(".shown-town").textContent(), name);
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** A marked part of the sky has shares of its own, and the sentence does not speak of them. */
+test("a marked part has its own shares", async () => {
+  const opened = await openPage(browser, fragment(here.beside, `&region=${REGION}&measure=region`));
+  const { page, context, asked } = opened;
+  await page.waitForSelector("#shares-list button");
+  assert.equal(await page.locator("#shares-title").textContent(), "Whose light in the marked part");
+  const { places } = await getJson(skyPath(here.scene, "shares", here.beside, `&measure=region&region=${REGION}`));
+  const [first = ""] = await rows(page);
+  assert.ok(first.startsWith(places[0].name), first);
+  assert.doesNotMatch(await page.locator("#summary").textContent(), /of the glow/);
+  await page.click("#mark");
+  await page.waitForFunction(() => document.querySelector("#summary")?.textContent?.includes("of the glow"));
+  assert.equal(await page.locator("#shares-title").textContent(), "Whose light overhead");
+  assert.equal(asked.filter((path) => path.includes("/shares?")).length, 2);
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** Another place ends what is under way for the one before, and nothing of that is shown. */
+test("another place ends the search for shares", async () => {
+  const opened = await openPage(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await page.waitForSelector("#shares-list button");
+  let release = () => {};
+  const held = new Promise((resolve) => {
+    release = resolve;
+  });
+  await page.route("**/shares?*", async (route) => {
+    await held;
+    await route.continue().catch(() => {});
+  });
+  const next = { ...here.beside, latitude_deg: here.beside.latitude_deg + 0.05 };
+  await page.evaluate((hash) => (location.hash = hash), fragment(next));
+  await page.waitForSelector("#shares[aria-busy=true]");
+  await skyShown(page);
+  assert.deepEqual(await rows(page), []);
+  assert.match(await page.locator("#shares-waiting").textContent(), /Finding/);
+  assert.doesNotMatch(await page.locator("#summary").textContent(), /of the glow/);
+  release();
+  await page.waitForSelector("#shares-list button");
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** Boundaries of a file get their shares by name, as a table and as CSV; a file of something else is refused in words. */
+test("areas of a file get their shares", async () => {
+  const opened = await openPage(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await page.waitForSelector("#shares-list button");
+  await page.click("#shares summary");
+  const { latitude_deg: lat, longitude_deg: lon } = here.town;
+  const square = [
+    [lon - 0.2, lat - 0.2],
+    [lon + 0.2, lat - 0.2],
+    [lon + 0.2, lat + 0.2],
+    [lon - 0.2, lat + 0.2],
+    [lon - 0.2, lat - 0.2],
+  ];
+  const feature = { type: "Feature", properties: { name: "Ours" }, geometry: { type: "Polygon", coordinates: [square] } };
+  const file = (name, value) => ({ name, mimeType: "application/geo+json", buffer: Buffer.from(value) });
+  await page.setInputFiles("#areas-file", file("notes.geojson", "no JSON"));
+  await page.waitForSelector("#notice:not([hidden])");
+  assert.match(await page.locator("#notice").textContent(), /notes.geojson is no GeoJSON file/);
+  await page.setInputFiles("#areas-file", file("ours.geojson", JSON.stringify({ type: "FeatureCollection", features: [feature] })));
+  await page.waitForSelector("#areas-answer table");
+  const table = await page.locator("#areas-answer tr").allTextContents();
+  assert.match(table[0], /^Ours\d/);
+  assert.match(table[1], /^All others\d/);
+  const percents = table.map((line) => Number(line.match(/([\d.]+) %$/)[1]));
+  assert.ok(Math.abs(percents[0] + percents[1] - 100) < 0.6, `${percents}`);
+  await shot(page, "areas");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#areas-answer button:first-of-type")]);
+  assert.equal(download.suggestedFilename(), "ours-shares.csv");
+  assert.match(await readFile(await download.path(), "utf8"), /Ours/);
+  await page.click("#areas-answer button:last-of-type");
+  await page.waitForSelector("#areas-answer table", { state: "detached" });
+  assertNoFaults(opened);
+  await context.close();
+});

@@ -1,0 +1,83 @@
+// Whose light the sky is: asked for once the sky itself is shown, for where a place is new it takes seconds.
+
+import { api, type SharesQuery } from "../api/client.ts";
+import { isWithoutAnswer } from "../api/problem.ts";
+import { type AppState, type Areas, CONDITIONS, sceneOf, sharesQuery } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { debounced } from "../ui/dom.ts";
+
+/** Towns that are asked for; the rest are summed up. */
+export const LISTED_TOWNS = 12;
+/** A sky that is shown for this long is looked at. */
+const WAIT_MS = 250;
+
+export class SharesSession {
+  private controller = new AbortController();
+  private requested = "";
+  private requestedAreas: Areas | null = null;
+  /** Of what is shown: another place's shares go at once. */
+  private placeKey = "";
+
+  constructor(private readonly store: AppStore) {
+    const loadSoon = debounced(WAIT_MS, () => void this.load());
+    const parts = [sceneOf, "place", "isAway", "skyStage", "isBusy", "isTrying", "region", "areas", ...CONDITIONS] as const;
+    store.watch(parts, (state) => {
+      if (JSON.stringify(requestOf(state)) === this.requested && state.areas === this.requestedAreas) return;
+      this.forget(JSON.stringify([sceneOf(state)?.id, state.place, state.region]));
+      loadSoon();
+    });
+  }
+
+  /** Ends what is under way. What is shown stays while only the air or the lights are others. */
+  private forget(placeKey: string): void {
+    this.controller.abort();
+    this.requested = "";
+    if (placeKey === this.placeKey) return;
+    this.placeKey = placeKey;
+    const { shares, areaShares, isSharing } = this.store.state;
+    if (shares !== null || areaShares !== null || isSharing)
+      this.store.set({ shares: null, areaShares: null, isSharing: false, shownTown: null });
+  }
+
+  private async load(): Promise<void> {
+    const { state } = this.store;
+    const request = requestOf(state);
+    if (request === null || state.skyStage !== "picture" || state.isBusy || state.isTrying || state.isAway) return;
+    const { areas } = state;
+    this.requested = JSON.stringify(request);
+    this.requestedAreas = areas;
+    this.controller = new AbortController();
+    const { signal } = this.controller;
+    const { scene, query } = request;
+    this.store.set({ isSharing: true });
+    try {
+      const [shares, areaShares] = await Promise.all([
+        api.shares(scene, { ...query, limit: LISTED_TOWNS }, signal),
+        areas === null ? null : this.areaShares(scene, query, areas.body, signal),
+      ]);
+      if (signal.aborted) return;
+      this.store.set({ shares, areaShares, isSharing: false });
+    } catch (reason) {
+      if (signal.aborted) return;
+      this.store.set({ shares: null, areaShares: null, isSharing: false });
+      this.requested = isWithoutAnswer(reason) ? "" : this.requested;
+      this.store.report(reason);
+    }
+  }
+
+  /** Areas that the server cannot read are told and left out; towns are shown all the same. */
+  private async areaShares(scene: string, query: SharesQuery, body: Areas["body"], signal: AbortSignal) {
+    try {
+      return await api.areaShares(scene, query, body, signal);
+    } catch (reason) {
+      if (signal.aborted || isWithoutAnswer(reason)) throw reason;
+      this.store.report(reason);
+      return null;
+    }
+  }
+}
+
+function requestOf(state: Readonly<AppState>): { scene: string; query: SharesQuery } | null {
+  const scene = sceneOf(state);
+  return scene === null || state.place === null ? null : { scene: scene.id, query: sharesQuery(state, state.place) };
+}
