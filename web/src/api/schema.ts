@@ -1761,8 +1761,8 @@ export interface components {
              */
             brightest_luminance_cd_m2: number;
             /**
-             * @description Ranges of azimuth, first and last in degrees, in which artificial light is at most half of a natural sky of 22.0 mag arcsec⁻²;
-             *     of 15° or more. The last is below the first where a range passes north.
+             * @description Ranges of azimuth, first and last in degrees, in which artificial light is at most half of the dark reference overhead; of 15°
+             *     or more. The last is below the first where a range passes north.
              */
             clean_directions_deg: number[][];
             /**
@@ -2416,7 +2416,7 @@ export interface components {
             horizontal_illuminance_lx: number;
             /**
              * Format: double
-             * @description With the natural sky, lx.
+             * @description With the natural sky, and what comes straight from Sun, Moon, planets and stars, lx.
              */
             horizontal_total_illuminance_lx: number;
             /**
@@ -6200,6 +6200,8 @@ export interface operations {
     get_brightness_tif: {
         parameters: {
             query?: {
+                /** @description What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the horizontal illuminance, what the ground has. Allowed: zenith, mean, horizontal. */
+                measure?: "zenith" | "mean" | "horizontal";
                 /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
