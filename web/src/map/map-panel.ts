@@ -14,7 +14,7 @@ import {
   todaysConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { LAYERS, type LayerName, type Place } from "../state/view-state.ts";
+import { LAYERS, type LayerName, type MapMeasure, mapMeasure, type Place } from "../state/view-state.ts";
 import { byId } from "../ui/dom.ts";
 import type { LayerRequest } from "./raster-layers.ts";
 import type { SkyMap } from "./sky-map.ts";
@@ -110,14 +110,19 @@ function showLayer(map: SkyMap, layer: LayerName, state: Readonly<AppState>): vo
   map.showLayer(layer, layerRequest(layer, state, conditionsOf(state)), today);
 }
 
+/** What says what of the sky a map shows; nothing for the zenith, which is what maps show unasked. */
+function ofMeasure(measure: MapMeasure): { measure?: MapMeasure } {
+  return measure === "zenith" ? {} : { measure };
+}
+
 /** The request for a layer under these conditions; null where there is nothing to show. */
 function layerRequest(layer: LayerName, state: Readonly<AppState>, conditions: Conditions): LayerRequest | null {
-  const { place, clouds, layers } = state;
+  const { place, clouds, layers, measure } = state;
   const { scenario } = conditions;
   const scene = sceneOf(state);
   const query = {
     elevation: scene?.terrain === true ? {} : null,
-    brightness: clouds === null ? conditions : null,
+    brightness: clouds === null ? { ...conditions, ...ofMeasure(mapMeasure(measure)) } : null,
     radiance: scenario === undefined ? {} : { scenario },
     influence: place === null ? null : influenceQuery(state, place, conditions),
   }[layer];

@@ -28,6 +28,14 @@ const COLOURED: readonly LayerName[] = ["brightness", "radiance", "influence"];
 export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type MeasureName = (typeof MEASURES)[number];
 
+/** What of the open sky a map of all places shows. */
+export type MapMeasure = "zenith" | "mean" | "horizontal";
+
+/** The measure of a map of all places: that of the influences where maps have it, else the zenith. */
+export function mapMeasure(measure: MeasureName): MapMeasure {
+  return measure === "mean" || measure === "horizontal" ? measure : "zenith";
+}
+
 /** What sees the sky, as far as the viewer offers it; the default first. */
 export const RESPONSES = ["photopic", "scotopic", "johnson_b", "johnson_v", "johnson_r", "sqm", "melanopic", "dnb"] as const;
 export type ResponseName = (typeof RESPONSES)[number];
@@ -80,7 +88,7 @@ export interface ViewState {
   /** Of the realistic picture, stops. */
   exposureEv: number;
   unit: BrightnessUnit;
-  /** Of the layer of influence; `region` only where there is one. */
+  /** Of the layers of influence and of brightness; `region` only where there is one. */
   measure: MeasureName;
   /** The part of the sky that is marked. */
   region: Region | null;
