@@ -487,6 +487,7 @@ export const english = {
     influence: "Whose light it is",
     influenceTif: "The part of every lit pixel, GeoTIFF on the scene's grid",
     influenceList: "The thousand pixels that do most",
+    savePicture: "Save the picture with its caption",
     png: "The picture with its legend",
     exr: "Raw radiance, OpenEXR",
     tiff: "Raw radiance, 32-bit TIFF",

@@ -459,6 +459,7 @@ export const german: Words = {
     influence: "Wessen Licht es ist",
     influenceTif: "Der Anteil jedes leuchtenden Pixels, GeoTIFF im Raster der Szene",
     influenceList: "Die tausend Pixel mit dem größten Anteil",
+    savePicture: "Bild mit Bildunterschrift speichern",
     png: "Das Bild mit seiner Legende",
     exr: "Rohe Strahldichten, OpenEXR",
     tiff: "Rohe Strahldichten, TIFF mit 32 Bit",
