@@ -242,6 +242,16 @@ export const english = {
     fromTo: (first: string, last: string) => `${first} to ${last}`,
     level: "level: a plain, or a lake",
   },
+  /** Pinned places side by side. */
+  compare: {
+    title: "Compare places",
+    pin: "Pin this place",
+    unpin: "Unpin this place",
+    drop: (place: string) => `Unpin ${place}`,
+    skyOver: (place: string) => `Sky over ${place}`,
+    bortle: "Bortle",
+    artificial: "Artificial",
+  },
   numbers: {
     title: "The sky in numbers",
     ground: "Ground",

@@ -224,6 +224,15 @@ export const german: Words = {
     fromTo: (first, last) => `${first} bis ${last}`,
     level: "eben: Ebene oder See",
   },
+  compare: {
+    title: "Orte vergleichen",
+    pin: "Diesen Ort merken",
+    unpin: "Nicht mehr merken",
+    drop: (place) => `${place} nicht mehr merken`,
+    skyOver: (place) => `Himmel über ${place}`,
+    bortle: "Bortle",
+    artificial: "Künstlich",
+  },
   numbers: {
     title: "Der Himmel in Zahlen",
     ground: "Boden",

@@ -2,10 +2,6 @@
 
 import { api, type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { words } from "../language/words.ts";
-import { isOfLight } from "../sky/colour-maps.ts";
-import { gazeOf, viewedPart } from "../sky/gaze.ts";
-import { scaleEndsIn } from "../sky/scale.ts";
-import { unitFor } from "../sky/units.ts";
 import {
   type AppState,
   CONDITIONS,
@@ -13,13 +9,13 @@ import {
   coordinatesOf,
   influenceQuery,
   sceneOf,
-  seenOf,
   skyConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { captionLines, withCaption } from "./captioned.ts";
 import { byId, make, saveFile } from "./dom.ts";
 import { placeName } from "./nearby.ts";
+import { pictureUrl } from "./picture-url.ts";
 
 /** Twice as fine as the picture of the link. */
 const SAVED_WIDTH_PX = { equirectangular: 2048, fisheye: 1536, perspective: 2048 } as const;
@@ -73,28 +69,14 @@ function showInfluenceDownloads(container: HTMLElement, scene: string, query: In
   );
 }
 
-/** The picture that is shown, from the API. */
-function pictureUrl(scene: string, parameters: SkyParameters, state: AppState, widthPx?: number): string {
-  const view = state.projection === "perspective" ? viewedPart(gazeOf(state.gaze, state.panorama), state.skyAspect) : null;
-  const { projection, sky, colours, exposureEv } = state;
-  const seen = seenOf(state);
-  const [faintest, brightest] = scaleEndsIn(seen.unit);
-  const byValue = unitFor(state.unit, seen) === "luminance" || !seen.hasMagnitude;
-  const scale = byValue
-    ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
-    : ({ scale: "magnitude" } as const);
-  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv } as const) : { colormap: colours, ...scale };
-  const width = widthPx === undefined ? {} : { width: widthPx };
-  const picture = { ...parameters, projection, ...view, sky, ...style, ...width } as const;
-  return urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture);
-}
-
 /** That picture with its caption. */
 async function savePicture(state: Readonly<AppState>): Promise<void> {
   const { place, places, answer, shares } = state;
   const scene = sceneOf(state);
   if (scene === null || place === null || answer === null) return;
-  const url = pictureUrl(scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state, SAVED_WIDTH_PX[state.projection]);
+  const url = pictureUrl(scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state, {
+    width: SAVED_WIDTH_PX[state.projection],
+  });
   const name = placeName(place, places);
   const lines = captionLines({ place, name, scene, answer, shares }, state);
   const picture = await withCaption(await api.picture(url, new AbortController().signal), lines);
