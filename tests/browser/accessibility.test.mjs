@@ -36,6 +36,8 @@ for (const [name, device] of [
     await page.click("#darker summary");
     await page.waitForSelector("#darker-list button");
     await page.waitForSelector("#night-curve svg");
+    await page.click("#pin");
+    await page.waitForSelector("#compare dd");
     assert.deepEqual(await violations(page), [], "a sky with its numbers, lights and darker places");
     await page.click("#plan-find");
     await page.waitForSelector("#plan-status .plan-reached");

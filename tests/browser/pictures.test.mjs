@@ -1,5 +1,6 @@
 // How a sky is shown: as a camera sees it, in other units, and the link to it.
 import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
 import { test } from "node:test";
 import { assertNoFaults, getJson, openPage, SERVER, setSlider, shot, skyShown } from "./support/browser.mjs";
 import { skyPath } from "./support/sky.mjs";
@@ -148,6 +149,34 @@ test("the link to the view is copied", async () => {
   assert.equal(await page.locator("#share-link").inputValue(), await page.evaluate(() => location.href));
   await page.keyboard.press("Tab");
   assert.ok(await page.locator("#share-link").isHidden());
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** The saved picture is the API's with a caption below it, and is named after the place. */
+test("the saved picture has a caption", async () => {
+  const opened = await openPage(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await page.waitForSelector("#shares-list button");
+  for (const [projection, width] of [
+    ["equirectangular", 2048],
+    ["fisheye", 1536],
+  ]) {
+    await page.click(`#projection button[value=${projection}]`);
+    const [answer, download] = await Promise.all([
+      page.waitForResponse(/panorama\.png/),
+      page.waitForEvent("download"),
+      page.click("#save-picture"),
+    ]);
+    assert.match(download.suggestedFilename(), /^skyglow .+\.png$/);
+    const sizeOf = (png) => [png.readUInt32BE(16), png.readUInt32BE(20)];
+    const plain = sizeOf(Buffer.from(await (await fetch(answer.url())).arrayBuffer()));
+    const saved = await readFile(await download.path());
+    assert.equal(sizeOf(saved)[0], width);
+    assert.equal(plain[0], width);
+    assert.ok(sizeOf(saved)[1] > plain[1] + 100);
+    if (process.env.SKYGLOW_SHOTS) await writeFile(`${process.env.SKYGLOW_SHOTS}/caption-${projection}.png`, saved);
+  }
   assertNoFaults(opened);
   await context.close();
 });

@@ -168,6 +168,8 @@ export const api = {
   },
   darker: (scene: string, query: DarkerQuery, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/darker", { scene }, query, signal),
+  /** A picture at an address of the API. */
+  picture: async (url: string, signal: AbortSignal): Promise<Blob> => (await answered(url, { signal })).blob(),
   /** Finds what to dim. */
   findPlan: (scene: string, query: PlanQuery, body: PlanBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/plans", { scene }, query, body, signal),

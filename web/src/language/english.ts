@@ -243,6 +243,16 @@ export const english = {
     fromTo: (first: string, last: string) => `${first} to ${last}`,
     level: "level: a plain, or a lake",
   },
+  /** Pinned places side by side. */
+  compare: {
+    title: "Compare places",
+    pin: "Pin this place",
+    unpin: "Unpin this place",
+    drop: (place: string) => `Unpin ${place}`,
+    skyOver: (place: string) => `Sky over ${place}`,
+    bortle: "Bortle",
+    artificial: "Artificial",
+  },
   numbers: {
     title: "The sky in numbers",
     ground: "Ground",
@@ -488,6 +498,7 @@ export const english = {
     influence: "Whose light it is",
     influenceTif: "The part of every lit pixel, GeoTIFF on the scene's grid",
     influenceList: "The thousand pixels that do most",
+    savePicture: "Save the picture with its caption",
     png: "The picture with its legend",
     exr: "Raw radiance, OpenEXR",
     tiff: "Raw radiance, 32-bit TIFF",

@@ -225,6 +225,15 @@ export const german: Words = {
     fromTo: (first, last) => `${first} bis ${last}`,
     level: "eben: Ebene oder See",
   },
+  compare: {
+    title: "Orte vergleichen",
+    pin: "Diesen Ort merken",
+    unpin: "Nicht mehr merken",
+    drop: (place) => `${place} nicht mehr merken`,
+    skyOver: (place) => `Himmel über ${place}`,
+    bortle: "Bortle",
+    artificial: "Künstlich",
+  },
   numbers: {
     title: "Der Himmel in Zahlen",
     ground: "Boden",
@@ -460,6 +469,7 @@ export const german: Words = {
     influence: "Wessen Licht es ist",
     influenceTif: "Der Anteil jedes leuchtenden Pixels, GeoTIFF im Raster der Szene",
     influenceList: "Die tausend Pixel mit dem größten Anteil",
+    savePicture: "Bild mit Bildunterschrift speichern",
     png: "Das Bild mit seiner Legende",
     exr: "Rohe Strahldichten, OpenEXR",
     tiff: "Rohe Strahldichten, TIFF mit 32 Bit",

@@ -33,6 +33,10 @@ const EVERYTHING: ViewState = {
     { azimuthDeg: 20.5, elevationDeg: 3 },
     { azimuthDeg: 5, elevationDeg: 40 },
   ],
+  pins: [
+    { latitude_deg: 46.27917, longitude_deg: 9.4625 },
+    { latitude_deg: -1.5, longitude_deg: 36 },
+  ],
   layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
 };
 

@@ -4,7 +4,18 @@ import { STYLES } from "../sky/colour-maps.ts";
 import { type Gaze, PROJECTIONS } from "../sky/projection.ts";
 import { regionFromText, textFromRegion } from "../sky/region.ts";
 import { UNITS } from "../sky/units.ts";
-import { DEFAULT_STATE, EMISSION_KEEPS, LAYERS, LIGHTS, MEASURES, RESPONSES, SCATTERINGS, type ViewState } from "./view-state.ts";
+import {
+  DEFAULT_STATE,
+  EMISSION_KEEPS,
+  LAYERS,
+  LIGHTS,
+  MAX_PINS,
+  MEASURES,
+  type Place,
+  RESPONSES,
+  SCATTERINGS,
+  type ViewState,
+} from "./view-state.ts";
 
 function numberIn(text: string | null, min: number, max: number): number | null {
   if (text === null || text.trim() === "") return null;
@@ -46,6 +57,15 @@ function gazeFromText(text: string | null): Gaze | null {
   const elevationDeg = numberIn(elevation ?? null, -10, 90);
   const fieldDeg = numberIn(field ?? null, 10, 120);
   return azimuthDeg === null || elevationDeg === null || fieldDeg === null ? null : { azimuthDeg, elevationDeg, fieldDeg };
+}
+
+/** `latitude,longitude;…` */
+function pinsFromText(text: string | null): Place[] {
+  const pins = (text ?? "").split(";").map((pin) => {
+    const [latitude, longitude] = pin.split(",");
+    return { latitude_deg: numberIn(latitude ?? null, -90, 90), longitude_deg: numberIn(longitude ?? null, -180, 180) };
+  });
+  return pins.filter((pin): pin is Place => pin.latitude_deg !== null && pin.longitude_deg !== null).slice(0, MAX_PINS);
 }
 
 /** Reads a fragment such as `#scene=demo&lat=…`. What is missing or makes no sense takes its default. */
@@ -92,6 +112,7 @@ export function stateFromFragment(fragment: string): ViewState {
     unit: oneOf(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
+    pins: pinsFromText(query.get("pins")),
     layers,
   };
 }
@@ -139,6 +160,8 @@ export function fragmentFromState(state: ViewState): string {
   add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
   add("region", state.region === null ? null : textFromRegion(state.region), null);
+  const pins = state.pins.map(({ latitude_deg, longitude_deg }) => `${+latitude_deg.toFixed(5)},${+longitude_deg.toFixed(5)}`);
+  add("pins", pins.join(";"), "");
   for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

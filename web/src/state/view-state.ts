@@ -40,6 +40,9 @@ export function mapMeasure(measure: MeasureName): MapMeasure {
 export const RESPONSES = ["photopic", "scotopic", "johnson_b", "johnson_v", "johnson_r", "sqm", "melanopic", "dnb"] as const;
 export type ResponseName = (typeof RESPONSES)[number];
 
+/** More than these are no longer seen side by side. */
+export const MAX_PINS = 5;
+
 export type TerrainKind = "on" | "off";
 
 /** What of a light the satellite's radiance says; the default first. */
@@ -92,6 +95,8 @@ export interface ViewState {
   measure: MeasureName;
   /** The part of the sky that is marked. */
   region: Region | null;
+  /** Places that are compared. */
+  pins: readonly Place[];
   /** Opacity 0..1; 0 is off. */
   layers: Record<LayerName, number>;
 }
@@ -122,6 +127,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   unit: "magnitude",
   measure: "zenith",
   region: null,
+  pins: [],
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 

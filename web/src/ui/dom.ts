@@ -21,6 +21,15 @@ export function inEnglish<E extends HTMLElement>(element: E): E {
   return element;
 }
 
+/** Hands a file to whoever looks at the page. */
+export function saveFile(blob: Blob, fileName: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = fileName;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
 /** Calls once things have been quiet for a while, unless that is cancelled. */
 export function debounced<A extends unknown[]>(
   waitMs: number,

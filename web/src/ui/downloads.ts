@@ -1,11 +1,7 @@
 // Links to the same sky as files, straight from the API.
 
-import { type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
+import { api, type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { words } from "../language/words.ts";
-import { isOfLight } from "../sky/colour-maps.ts";
-import { gazeOf, viewedPart } from "../sky/gaze.ts";
-import { scaleEndsIn } from "../sky/scale.ts";
-import { unitFor } from "../sky/units.ts";
 import {
   type AppState,
   CONDITIONS,
@@ -13,16 +9,30 @@ import {
   coordinatesOf,
   influenceQuery,
   sceneOf,
-  seenOf,
   skyConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { byId, make } from "./dom.ts";
+import { captionLines, withCaption } from "./captioned.ts";
+import { byId, make, saveFile } from "./dom.ts";
+import { placeName } from "./nearby.ts";
+import { pictureUrl } from "./picture-url.ts";
+
+/** Twice as fine as the picture of the link. */
+const SAVED_WIDTH_PX = { equirectangular: 2048, fisheye: 1536, perspective: 2048 } as const;
 
 /** Follows what is shown, so that the files are of the same sky. */
 export function mountDownloads(store: AppStore): void {
   const pictures = byId("download-links", HTMLElement);
   const influences = byId("influence-links", HTMLElement);
+  const save = byId("save-picture", HTMLButtonElement);
+  save.addEventListener("click", () => {
+    save.disabled = true;
+    savePicture(store.state)
+      .catch((reason: unknown) => store.report(reason))
+      .finally(() => {
+        save.disabled = false;
+      });
+  });
   const look = ["projection", "sky", "colours", "exposureEv", "unit", "gaze", "skyAspect", "panorama"] as const;
   store.watch([sceneOf, "place", "time", ...CONDITIONS, ...look], (state) => {
     const { place } = state;
@@ -59,21 +69,25 @@ function showInfluenceDownloads(container: HTMLElement, scene: string, query: In
   );
 }
 
+/** That picture with its caption. */
+async function savePicture(state: Readonly<AppState>): Promise<void> {
+  const { place, places, answer, shares } = state;
+  const scene = sceneOf(state);
+  if (scene === null || place === null || answer === null) return;
+  const url = pictureUrl(scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state, {
+    width: SAVED_WIDTH_PX[state.projection],
+  });
+  const name = placeName(place, places);
+  const lines = captionLines({ place, name, scene, answer, shares }, state);
+  const picture = await withCaption(await api.picture(url, new AbortController().signal), lines);
+  saveFile(picture, `skyglow ${name.replaceAll(/[\\/:*?"<>|]/g, " ")}.png`);
+}
+
 function showDownloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: AppState): void {
-  const view = state.projection === "perspective" ? viewedPart(gazeOf(state.gaze, state.panorama), state.skyAspect) : null;
-  const { projection, sky, colours, exposureEv } = state;
-  const seen = seenOf(state);
-  const [faintest, brightest] = scaleEndsIn(seen.unit);
-  const byValue = unitFor(state.unit, seen) === "luminance" || !seen.hasMagnitude;
-  const scale = byValue
-    ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
-    : ({ scale: "magnitude" } as const);
-  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv } as const) : { colormap: colours, ...scale };
   // Rasters hold the radiance in bands, whatever sees it.
   const { response: _, ...raster } = parameters;
-  const picture = { ...parameters, projection, ...view, sky, ...style } as const;
   container.replaceChildren(
-    link("PNG", urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture), words().downloads.png),
+    link("PNG", pictureUrl(scene, parameters, state), words().downloads.png),
     link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, raster), words().downloads.exr),
     link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, raster), words().downloads.tiff),
     link("JSON", urlOf("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), words().downloads.json),

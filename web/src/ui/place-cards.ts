@@ -8,6 +8,7 @@ import type { Lights } from "../lights/lights.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
+import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
 import { mountDownloads } from "./downloads.ts";
 import { mountNumbers } from "./numbers.ts";
@@ -30,10 +31,12 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   mountShares(store, (town) => map.showTown(town));
   new TimeLine(store);
   new DarkerSession(store);
-  mountDarker(store, (place) => {
+  const goTo = (place: Place) => {
     store.pick({ latitude_deg: place.latitude_deg, longitude_deg: place.longitude_deg });
     map.goTo(place);
-  });
+  };
+  mountDarker(store, goTo);
+  new Compare(store, goTo);
   mountNumbers(store);
   mountColourNumbers(store);
   mountDownloads(store);

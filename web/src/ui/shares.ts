@@ -6,7 +6,7 @@ import { words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import { sceneOf, sharesQuery } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { byId, make } from "./dom.ts";
+import { byId, make, saveFile } from "./dom.ts";
 import { percent, whole } from "./format.ts";
 
 const MAX_ROWS = 5;
@@ -130,9 +130,5 @@ async function saveAreas(store: AppStore): Promise<void> {
   const scene = sceneOf(store.state);
   if (areas === null || place === null || scene === null) return;
   const blob = await api.areaSharesFile(scene.id, sharesQuery(store.state, place), areas.body, new AbortController().signal);
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = `${areas.fileName.replace(/\.[^.]*$/, "")}-shares.csv`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  saveFile(blob, `${areas.fileName.replace(/\.[^.]*$/, "")}-shares.csv`);
 }

@@ -1,0 +1,98 @@
+// The picture of the sky to be passed on: below it stand the place, the time, what was assumed, and whose data it is.
+
+import type { Scene, Shares, SkyAnswer } from "../api/types.ts";
+import { words } from "../language/words.ts";
+import { clockAt, clockTime } from "../night/time.ts";
+import type { Place, ViewState } from "../state/view-state.ts";
+import { cloudsTitle } from "./clouds.ts";
+import { coordinates, fixed, magnitude } from "./format.ts";
+import { lampTitle } from "./lamps.ts";
+import { glowSentence, summaryOf } from "./summary.ts";
+
+export interface Captioned {
+  place: Place;
+  name: string;
+  scene: Pick<Scene, "title" | "attribution" | "date" | "illustrative">;
+  answer: SkyAnswer;
+  shares: Shares | null;
+}
+
+/** The time with its date and clock; without one, that there is none. */
+function when(time: string | null, { longitude_deg }: Place): string {
+  if (time === null) return words().time.noneTold;
+  const atMs = Date.parse(time);
+  const clock = clockAt(atMs, longitude_deg);
+  const date = new Date(atMs + clock.offsetMinutes * 60_000).toISOString().slice(0, 10);
+  return `${date} ${clockTime(atMs, clock)} ${clock.name}`;
+}
+
+/** The lines below the picture; the first names the place. */
+export function captionLines(
+  { place, name, scene, answer, shares }: Captioned,
+  { time, lamp, clouds, scenario, lights }: Pick<ViewState, "time" | "lamp" | "clouds" | "scenario" | "lights">,
+): string[] {
+  const say = words();
+  const at = coordinates(place.latitude_deg, place.longitude_deg);
+  const { sky } = answer;
+  const bortle = sky.bortle_class == null ? [] : [`${say.numbers.bortleClass} ${sky.bortle_class}`];
+  const total = `${say.numbers.zenithTotal} ${magnitude(sky.zenith_total_brightness_mag_arcsec2 ?? null)} mag/arcsec²`;
+  const changed = scenario?.startsWith("p-") === true ? say.sky.withPlan : say.sky.asPainted;
+  const assumed = [
+    ...(scenario === null || lights === "today" ? [] : [changed]),
+    `${say.assumptions.turbidity} ${fixed(answer.turbidity, 1)}`,
+    `${say.assumptions.lamps}: ${lampTitle(lamp)}`,
+    `${say.assumptions.clouds}: ${cloudsTitle(clouds)}`,
+  ];
+  const illustrative = scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? say.scene.illustrative : "";
+  const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];
+  return [
+    name === at ? at : `${name} · ${at}`,
+    `${when(time, place)} · ${[total, ...bortle].join(" · ")}`,
+    [...summaryOf(answer), shares === null ? "" : glowSentence(answer, shares)].join(" ").trim(),
+    assumed.join(" · "),
+    credit.filter((part) => part !== "").join(" · "),
+  ].filter((line) => line !== "");
+}
+
+/** The words of a text in lines that are no wider than this. */
+export function wrapped(text: string, maxPx: number, widthPx: (text: string) => number): string[] {
+  const lines: string[] = [];
+  for (const word of text.split(" ")) {
+    const longer = `${lines.at(-1) ?? ""} ${word}`.trim();
+    if (lines.length > 0 && widthPx(longer) <= maxPx) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  return lines;
+}
+
+const MARGIN_PX = 24;
+
+/** The picture with its caption, as PNG. */
+export async function withCaption(picture: Blob, lines: readonly string[]): Promise<Blob> {
+  const image = await createImageBitmap(picture);
+  const { width } = image;
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("2d");
+  if (context === null) throw new Error(words().problems.headline);
+  const sizePx = Math.max(Math.round(width / 72), 13);
+  const fontOf = (i: number) => `${i === 0 ? 650 : 450} ${i === 0 ? Math.round(1.35 * sizePx) : sizePx}px system-ui, sans-serif`;
+  const rows = lines.flatMap((line, i) => {
+    context.font = fontOf(i);
+    return wrapped(line, width - 2 * MARGIN_PX, (text) => context.measureText(text).width).map((text) => ({ text, i }));
+  });
+  const rowPx = Math.round(1.6 * sizePx);
+  canvas.width = width;
+  canvas.height = image.height + rows.length * rowPx + 2 * MARGIN_PX;
+  context.fillStyle = "#0c1120";
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(image, 0, 0);
+  context.textBaseline = "middle";
+  rows.forEach(({ text, i }, row) => {
+    context.font = fontOf(i);
+    context.fillStyle = i === 0 ? "#ffffff" : i === lines.length - 1 ? "#93a0c0" : "#dde4f5";
+    context.fillText(text, MARGIN_PX, image.height + MARGIN_PX + (row + 0.5) * rowPx);
+  });
+  return new Promise((resolve, reject) => {
+    canvas.toBlob((blob) => (blob === null ? reject(new Error(words().problems.headline)) : resolve(blob)), "image/png");
+  });
+}

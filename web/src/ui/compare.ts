@@ -1,0 +1,129 @@
+// Pinned places side by side: their skies as pictures of one scale, and their numbers in a table.
+
+import { api } from "../api/client.ts";
+import type { SkyAnswer } from "../api/types.ts";
+import { isSamePlace } from "../data/darker-session.ts";
+import { words } from "../language/words.ts";
+import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
+import type { AppStore } from "../state/app-store.ts";
+import { MAX_PINS, type Place } from "../state/view-state.ts";
+import { byId, make } from "./dom.ts";
+import { fixed, magnitude, ratio } from "./format.ts";
+import { placeName } from "./nearby.ts";
+import { pictureUrl } from "./picture-url.ts";
+
+const PICTURE_WIDTH_PX = 512;
+
+/** The request for a pinned place's sky: under the air, lamps and time that are shown; changed lights are those of one scene. */
+function requestOf(state: Readonly<AppState>, pin: Place) {
+  const scene = sceneFor(state, pin);
+  if (scene === null) return null;
+  const { scenario, ...today } = skyConditions(state);
+  const lights = scenario === undefined || scene.id !== state.scene ? {} : { scenario };
+  return { scene: scene.id, parameters: { ...coordinatesOf(pin), ...today, ...lights } };
+}
+
+export class Compare {
+  private readonly button = byId("pin", HTMLButtonElement);
+  private readonly table = byId("compare", HTMLElement);
+  private requests = new AbortController();
+  private readonly answers = new Map<string, SkyAnswer | null>();
+
+  /** `goTo` shows the sky of a place. */
+  constructor(
+    private readonly store: AppStore,
+    private readonly goTo: (place: Place) => void,
+  ) {
+    this.button.addEventListener("click", () => {
+      const { place, pins } = store.state;
+      if (place === null) return;
+      const others = pins.filter((pin) => !isSamePlace(pin, place));
+      store.set({ pins: others.length < pins.length ? others : [...pins, place] });
+    });
+    store.watch(["pins", "place"], ({ pins, place }) => {
+      const isPinned = place !== null && pins.some((pin) => isSamePlace(pin, place));
+      this.button.setAttribute("aria-pressed", String(isPinned));
+      this.button.disabled = !isPinned && pins.length >= MAX_PINS;
+      this.button.textContent = isPinned ? words().compare.unpin : words().compare.pin;
+    });
+    const look = ["sky", "colours", "exposureEv", "unit", "projection", "places"] as const;
+    store.watch(["pins", "place", "scenes", "time", "skyStage", "isBusy", "isAway", ...CONDITIONS, ...look], (state) => {
+      this.show(state);
+      if (state.pins.length > 0 && state.skyStage === "picture" && !state.isBusy && !state.isAway) void this.load(state);
+    });
+  }
+
+  /** Asks for the skies that are not known yet, one after the other. */
+  private async load(state: Readonly<AppState>): Promise<void> {
+    this.requests.abort();
+    this.requests = new AbortController();
+    const { signal } = this.requests;
+    for (const pin of state.pins) {
+      const request = requestOf(state, pin);
+      const key = JSON.stringify(request);
+      if (request === null || this.answers.has(key)) continue;
+      try {
+        this.answers.set(key, await api.sky(request.scene, request.parameters, signal));
+      } catch {
+        if (signal.aborted) return;
+        this.answers.set(key, null);
+      }
+      if (signal.aborted) return;
+      this.show(this.store.state);
+    }
+  }
+
+  private show(state: Readonly<AppState>): void {
+    this.table.hidden = state.pins.length === 0;
+    if (state.pins.length === 0) return;
+    const focused = document.activeElement;
+    const focus = focused instanceof HTMLElement && this.table.contains(focused) ? focused.dataset.key : undefined;
+    this.table.replaceChildren(...state.pins.map((pin, i) => this.card(state, pin, i)));
+    if (focus !== undefined) this.table.querySelector<HTMLElement>(`[data-key="${focus}"]`)?.focus();
+  }
+
+  private card(state: Readonly<AppState>, pin: Place, i: number): HTMLElement {
+    const say = words().compare;
+    const request = requestOf(state, pin);
+    const answer = this.answers.get(JSON.stringify(request)) ?? null;
+    const name = placeName(pin, state.places);
+    const go = make("button", "compare-name", name) as HTMLButtonElement;
+    const drop = make("button", "compare-drop", "×") as HTMLButtonElement;
+    for (const button of [go, drop]) button.type = "button";
+    go.dataset.key = `go-${i}`;
+    drop.dataset.key = `drop-${i}`;
+    go.addEventListener("click", () => this.goTo(pin));
+    if (state.place !== null && isSamePlace(pin, state.place)) go.setAttribute("aria-current", "location");
+    drop.setAttribute("aria-label", say.drop(name));
+    drop.addEventListener("click", () => {
+      this.button.focus();
+      this.store.set({ pins: this.store.state.pins.filter((other) => other !== pin) });
+    });
+    const head = make("div", "compare-head", go, drop);
+    if (request === null) return make("li", "", head, make("p", "", words().top.notCovered));
+    const image = document.createElement("img");
+    // All in one projection: skies are compared by their directions.
+    const look: AppState = { ...state, projection: "equirectangular" };
+    image.src = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off" });
+    image.alt = say.skyOver(name);
+    image.width = PICTURE_WIDTH_PX;
+    image.height = PICTURE_WIDTH_PX / 2;
+    return make("li", "", head, image, numbersOf(answer));
+  }
+}
+
+function numbersOf(answer: SkyAnswer | null): HTMLElement {
+  const say = words();
+  const { sky } = answer ?? {};
+  const number = (title: string, value: string | null) =>
+    make("div", "", make("dt", "", title), make("dd", "", sky === undefined ? "…" : (value ?? "–")));
+  const limit = sky?.naked_eye_limit_mag;
+  return make(
+    "dl",
+    "compare-numbers",
+    number("mag/arcsec²", magnitude(sky?.zenith_total_brightness_mag_arcsec2 ?? null)),
+    number(say.compare.bortle, sky?.bortle_class == null ? null : String(sky.bortle_class)),
+    number(say.numbers.faintestStars, limit == null ? null : fixed(limit, 1)),
+    number(say.compare.artificial, sky === undefined ? null : `${ratio(sky.ratio_to_natural)} ×`),
+  );
+}

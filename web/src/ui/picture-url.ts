@@ -1,0 +1,27 @@
+// Addresses of pictures of the sky, as the page shows it.
+
+import { type SkyParameters, urlOf } from "../api/client.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
+import { gazeOf, viewedPart } from "../sky/gaze.ts";
+import { scaleEndsIn } from "../sky/scale.ts";
+import { unitFor } from "../sky/units.ts";
+import { type AppState, seenOf } from "../state/app-state.ts";
+
+type PictureQuery = Parameters<typeof urlOf<"/api/v1/scenes/{scene}/panorama.png">>[2];
+/** How it differs from what the page shows. */
+type PictureMore = Partial<Pick<PictureQuery, "width" | "legend">>;
+
+/** A sky as it is shown here, as a picture from the API. */
+export function pictureUrl(scene: string, parameters: SkyParameters, state: AppState, more: PictureMore = {}): string {
+  const view = state.projection === "perspective" ? viewedPart(gazeOf(state.gaze, state.panorama), state.skyAspect) : null;
+  const { projection, sky, colours, exposureEv } = state;
+  const seen = seenOf(state);
+  const [faintest, brightest] = scaleEndsIn(seen.unit);
+  const byValue = unitFor(state.unit, seen) === "luminance" || !seen.hasMagnitude;
+  const scale = byValue
+    ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
+    : ({ scale: "magnitude" } as const);
+  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv } as const) : { colormap: colours, ...scale };
+  const picture = { ...parameters, projection, ...view, sky, ...style, ...more } as const;
+  return urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture);
+}
