@@ -2,6 +2,7 @@
 
 use crate::blocked_sources;
 use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
+use crate::convolution::Convolution;
 use crate::coverage;
 use crate::dual_tree;
 use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources};
@@ -25,6 +26,15 @@ use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
 use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
 use std::sync::Arc;
+
+/// How the lights at all places of a lattice are summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SumWay {
+    /// By the dual tree: at any places, and behind skylines.
+    DualTree,
+    /// By convolution where that can be, under an open sky; else by the dual tree.
+    Convolution,
+}
 
 /// A scene in memory. It needs neither its files nor GDAL to answer queries. A clone shares everything but its metadata.
 #[derive(Clone, Debug)]
@@ -438,6 +448,7 @@ impl Scene {
     /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
     /// * `kernels`: of each of [`Self::fixtures`].
     /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
+    /// * `way`: how they are summed; [`Self::way_to_sum`] says which is the shorter.
     /// * `store`: may know patches from before, is given each that is done, and may cancel the computation.
     ///
     /// None where it was cancelled.
@@ -450,6 +461,7 @@ impl Scene {
         altitudes_m: &[f32],
         kernels: &[PlaceKernel],
         terrain_hides: bool,
+        way: SumWay,
         store: &dyn PatchStore,
     ) -> Option<Vec<f32>> {
         assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
@@ -463,8 +475,26 @@ impl Scene {
             })
             .collect();
         let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
+        if way == SumWay::Convolution
+            && let Some(convolution) = Convolution::new(&self.grid, &layers, lattice, altitudes_m)
+        {
+            return convolution.sum(store);
+        }
         let sources = Sources { grid: &self.grid, layers: &layers };
         dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+    }
+
+    /// The way in which the lights at the places of a lattice are summed sooner, by an estimate.
+    ///
+    /// * `hides`: whether skylines of lights are to cut their low light.
+    pub fn way_to_sum(&self, lattice: PlaceLattice, hides: bool) -> SumWay {
+        let knows_skylines = |layer: &LightLayer| {
+            layer.lights.skylines.as_ref().is_some_and(|skylines| skylines.blocked_count() > 0)
+        };
+        if hides && self.light_layers.iter().any(knows_skylines) || lattice.len() < 50_000 {
+            return SumWay::DualTree;
+        }
+        SumWay::Convolution
     }
 
     /// The code of a pixel in [`PixelFactors`](crate::PixelFactors).

@@ -24,6 +24,7 @@ mod place_values;
 mod sources;
 
 pub(crate) use accumulator::Accumulator;
+pub(crate) use near_field::for_each_point;
 pub use patch_store::PatchStore;
 pub use place_lattice::PlaceLattice;
 pub(crate) use place_lattice::ground_altitudes_m;

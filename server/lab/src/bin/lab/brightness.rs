@@ -4,7 +4,7 @@ use crate::arguments::{Outcome, turbidity};
 use skyglow_lab::setup::{observatory, open_sky};
 use skyglow_observatory::{BrightnessRequest, SkyRequest};
 use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
-use skyglow_scene::SceneId;
+use skyglow_scene::{SceneId, SumWay};
 use skyglow_tables::Scattering;
 use std::{path::PathBuf, time::Instant};
 
@@ -29,6 +29,9 @@ pub(crate) struct Arguments {
     max_places: usize,
     /// Panoramas beside it.
     count: usize,
+    /// How lights are summed: as the program chooses, by the dual tree, or by convolution where that can be.
+    #[arg(long, default_value = "auto", value_parser = ["auto", "tree", "convolution"])]
+    way: String,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -45,9 +48,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         terrain_hides: arguments.terrain == "on",
         max_places: arguments.max_places,
     };
-    observatory.view(&id, None)?;
+    let way = match arguments.way.as_str() {
+        "tree" => Some(SumWay::DualTree),
+        "convolution" => Some(SumWay::Convolution),
+        _ => None,
+    };
+    let view = observatory.view(&id, None)?;
     let start = Instant::now();
-    let map = observatory.brightness(&request, &|_: f64| true)?;
+    let map = observatory.brightness_by(&view, &request, way, &|_: f64| true)?;
     let seconds = start.elapsed().as_secs_f64();
     let lattice = map.places().lattice();
     println!(
