@@ -244,7 +244,7 @@ impl Observatory {
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
             step("kernel");
             let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
-            let way = way.unwrap_or_else(|| scene.way_to_sum(lattice, hides));
+            let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
             let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, way, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");

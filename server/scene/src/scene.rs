@@ -5,7 +5,7 @@ use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
 use crate::convolution::Convolution;
 use crate::coverage;
 use crate::dual_tree;
-use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources};
+use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources, Stage, SumOf};
 use crate::error::SceneError;
 use crate::gather;
 use crate::geotiff::{self, RasterError, RasterMetadata};
@@ -27,12 +27,19 @@ use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
 use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
 use std::sync::Arc;
 
+/// Numbers of what convolutions store begin here, and those of patches of what skylines take, so that they are none of the dual
+/// tree's.
+const STRIPS: u64 = 1 << 46;
+const HIDDEN_PATCHES: u64 = 1 << 47;
+/// The part of the time that convolutions take where there are skylines, about.
+const CONVOLUTION_PART: f64 = 0.3;
+
 /// How the lights at all places of a lattice are summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SumWay {
     /// By the dual tree: at any places, and behind skylines.
     DualTree,
-    /// By convolution where that can be, under an open sky; else by the dual tree.
+    /// By convolution where that can be, what skylines take by the dual tree; else all by that.
     Convolution,
 }
 
@@ -475,26 +482,36 @@ impl Scene {
             })
             .collect();
         let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
-        if way == SumWay::Convolution
-            && let Some(convolution) = Convolution::new(&self.grid, &layers, lattice, altitudes_m)
-        {
-            return convolution.sum(store);
+        let tree = |sum: SumOf, store: &dyn PatchStore| {
+            let sources = Sources { grid: &self.grid, layers: &layers, sum };
+            dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+        };
+        let convolution = Convolution::new(&self.grid, &layers, lattice, altitudes_m);
+        let (SumWay::Convolution, Some(convolution)) = (way, convolution) else {
+            return tree(SumOf::All, store);
+        };
+        let stage =
+            |first_number: u64, begin: f64, end: f64| Stage { store, first_number, progress: [begin, end] };
+        if layers.iter().all(|(light, _)| light.skylines.is_none()) {
+            return convolution.sum(&stage(STRIPS, 0.0, 1.0));
         }
-        let sources = Sources { grid: &self.grid, layers: &layers };
-        dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+        // Under an open sky, and of that what skylines take.
+        let open = convolution.sum(&stage(STRIPS, 0.0, CONVOLUTION_PART))?;
+        let hidden = tree(SumOf::Hidden, &stage(HIDDEN_PATCHES, CONVOLUTION_PART, 1.0))?;
+        Some(open.iter().zip(hidden).map(|(open, hidden)| (open + hidden).max(0.0 * open)).collect())
     }
 
-    /// The way in which the lights at the places of a lattice are summed sooner, by an estimate.
-    ///
-    /// * `hides`: whether skylines of lights are to cut their low light.
-    pub fn way_to_sum(&self, lattice: PlaceLattice, hides: bool) -> SumWay {
-        let knows_skylines = |layer: &LightLayer| {
-            layer.lights.skylines.as_ref().is_some_and(|skylines| skylines.blocked_count() > 0)
-        };
-        if hides && self.light_layers.iter().any(knows_skylines) || lattice.len() < 50_000 {
-            return SumWay::DualTree;
-        }
-        SumWay::Convolution
+    /// The way in which the lights at the places of a lattice are summed sooner, by an estimate: convolutions take as long whether
+    /// there is light or not, the dual tree takes longer the more pixels are lit near a place.
+    pub fn way_to_sum(&self, lattice: PlaceLattice) -> SumWay {
+        let lit_pixels = self.light_layers.iter().map(LightLayer::len).sum::<usize>() as f64;
+        let pixels = f64::from(self.grid.width) * f64::from(self.grid.height);
+        let range_m =
+            self.light_altitude_range_m().map_or(0.0, |[lowest, highest]| f64::from(highest - lowest));
+        let places = lattice.len() as f64;
+        let tree_us = places * (2.0 + 50.0 * lit_pixels / pixels);
+        let convolution_us = places * (1.0 + (range_m / 250.0).min(8.0)) + lit_pixels + 0.02 * pixels;
+        if convolution_us < tree_us { SumWay::Convolution } else { SumWay::DualTree }
     }
 
     /// The code of a pixel in [`PixelFactors`](crate::PixelFactors).

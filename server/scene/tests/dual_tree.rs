@@ -75,7 +75,9 @@ fn sums(scene: &Scene, lattice: PlaceLattice, hides: bool) -> (Vec<f32>, Vec<f32
     let altitudes_m: Vec<f32> =
         scene.ground_altitudes_m(lattice).iter().map(|ground_m| ground_m + 2.0).collect();
     let kernels: Vec<PlaceKernel> = scene.fixtures().iter().map(|_| kernel(hides)).collect();
-    let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, SumWay::DualTree, &|_: f64| true).unwrap();
+    let sums = scene
+        .sum_at_places(lattice, &altitudes_m, &kernels, hides, SumWay::DualTree, &|_: f64| true)
+        .unwrap();
     (sums, altitudes_m)
 }
 
@@ -220,9 +222,15 @@ fn coarse_lattices_sum_at_block_centres() {
     // Nobody can be where there is no altitude.
     let mut nowhere = altitudes_m.clone();
     nowhere[75 * 20..75 * 30].fill(f32::NAN);
-    let parts = scene.sum_at_places(lattice, &nowhere, &[kernel(false)], false, SumWay::DualTree, &|_: f64| true).unwrap();
+    let parts = scene
+        .sum_at_places(lattice, &nowhere, &[kernel(false)], false, SumWay::DualTree, &|_: f64| true)
+        .unwrap();
     assert!(nowhere.iter().zip(&parts).all(|(altitude_m, sum)| altitude_m.is_nan() == sum.is_nan()));
-    assert!(scene.sum_at_places(lattice, &altitudes_m, &[kernel(false)], false, SumWay::DualTree, &|_: f64| false).is_none());
+    assert!(
+        scene
+            .sum_at_places(lattice, &altitudes_m, &[kernel(false)], false, SumWay::DualTree, &|_: f64| false)
+            .is_none()
+    );
     let edit = Edit {
         area: Area::Polygons(vec![vec![vec![
             [36.0, -3.0],
@@ -235,7 +243,8 @@ fn coarse_lattices_sum_at_block_centres() {
     };
     let (dark, _) = scene.changed(&[ChangeStep::Painted(vec![edit])], "dark").unwrap();
     let kernels: Vec<PlaceKernel> = dark.fixtures().iter().map(|_| kernel(false)).collect();
-    let sums = dark.sum_at_places(lattice, &altitudes_m, &kernels, false, SumWay::DualTree, &|_: f64| true).unwrap();
+    let sums =
+        dark.sum_at_places(lattice, &altitudes_m, &kernels, false, SumWay::DualTree, &|_: f64| true).unwrap();
     assert!(sums.iter().all(|sum| *sum == 0.0));
 }
 

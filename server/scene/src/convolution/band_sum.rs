@@ -66,7 +66,9 @@ impl BandSum {
 
     /// Whether the targets are cells, from which the sums at places are interpolated.
     pub(super) fn has_cells_as_targets(&self) -> bool {
-        self.targets.first == self.light.first && self.targets.step == self.light.cell_pixels && self.band.level > 0
+        self.targets.first == self.light.first
+            && self.targets.step == self.light.cell_pixels
+            && self.band.level > 0
     }
 
     /// Some rows of targets after another, each with what `sum` makes of it.
@@ -104,8 +106,8 @@ impl BandSum {
         let off = base.map(|at| at - (at + 1e-9).floor());
         let base = base.map(|at| (at + 1e-9).floor() as i64);
         let stride = (self.targets.step / cell) as usize;
-        let middle = self.targets.first[1]
-            + 0.5 * self.targets.step * (lane.rows.start + lane.rows.end - 1) as f64;
+        let middle =
+            self.targets.first[1] + 0.5 * self.targets.step * (lane.rows.start + lane.rows.end - 1) as f64;
         let latitude_deg = self.axes.first_latitude_deg + self.axes.latitude_step_deg * middle;
         let stencil = Stencil::new(&self.band, self.axes, latitude_deg, off);
         let mut weights: Vec<Option<Vec<f32>>> = vec![None; self.on_rings.len()];

@@ -11,8 +11,8 @@ const MAX_REACH_CELLS: f64 = 96.0;
 /// Smallest and largest step of the altitudes of places and of lights, metres; between them it is this part of the distance.
 const MIN_STEP_M: f64 = 50.0;
 const MAX_PLACE_STEP_M: f64 = 250.0;
-const MAX_LIGHT_STEP_M: f64 = 500.0;
-const STEP_PER_DISTANCE: f64 = 0.125;
+const MAX_LIGHT_STEP_M: f64 = 250.0;
+const STEP_PER_DISTANCE: f64 = 0.07;
 
 /// Where a band begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,8 @@ impl Band {
     /// The bands of a raster with pixels of a size; the shares of all of them add up to 1 at every distance up to 300 km.
     pub(super) fn all(pixel_m: f64) -> Vec<Self> {
         let cell_m = |level: u32| pixel_m * f64::from(1 << level);
-        let top = (0..16).find(|&level| MAX_SOURCE_DISTANCE_M <= MAX_REACH_CELLS * cell_m(level)).unwrap_or(16);
+        let top =
+            (0..16).find(|&level| MAX_SOURCE_DISTANCE_M <= MAX_REACH_CELLS * cell_m(level)).unwrap_or(16);
         let nearest = Edge::Sharp(NEAREST_PIXELS * pixel_m);
         let edge = |level: u32| Edge::Smooth(REACH_CELLS * cell_m(level));
         let of_level = |level: u32| Self {
@@ -100,13 +101,8 @@ impl Band {
 /// Weights of four evenly spaced cells at a place 0..=1 between the middle two (Lagrange): cubics come out as they are.
 pub(super) fn cubic_weights(t: f64) -> [f32; 4] {
     let (before, after, last) = (t + 1.0, t - 1.0, t - 2.0);
-    [
-        -t * after * last / 6.0,
-        before * after * last / 2.0,
-        -before * t * last / 2.0,
-        before * t * after / 6.0,
-    ]
-    .map(|weight| weight as f32)
+    [-t * after * last / 6.0, before * after * last / 2.0, -before * t * last / 2.0, before * t * after / 6.0]
+        .map(|weight| weight as f32)
 }
 
 #[cfg(test)]

@@ -81,7 +81,9 @@ impl<'a> Interpolation<'a> {
         let columns = self.strip.columns.len();
         let of_rows = sums.par_chunks_mut(columns).zip(altitudes_m.par_chunks(columns)).zip(&self.down);
         of_rows.for_each(|((sums, altitudes_m), (first_row, down))| {
-            for ((sum, altitude_m), (first_column, across)) in sums.iter_mut().zip(altitudes_m).zip(&self.across) {
+            for ((sum, altitude_m), (first_column, across)) in
+                sums.iter_mut().zip(altitudes_m).zip(&self.across)
+            {
                 if !altitude_m.is_finite() {
                     continue;
                 }

@@ -32,7 +32,11 @@ pub(super) struct Pixels {
 
 impl Pixels {
     /// * `around`: columns that it goes on beyond either side, of a raster that spans so much of the Earth that lights there are near.
-    pub(super) fn new<'a>(grid: &Grid, trees: impl Iterator<Item = &'a LightTree<'a>>, around: usize) -> Self {
+    pub(super) fn new<'a>(
+        grid: &Grid,
+        trees: impl Iterator<Item = &'a LightTree<'a>>,
+        around: usize,
+    ) -> Self {
         let (width, rows) = (grid.width as usize, grid.height as usize);
         let columns = width + 2 * around;
         let turn = grid.turn_columns().map_or(0, |turn| turn.round() as i64);
@@ -47,8 +51,11 @@ impl Pixels {
                 let altitude_m = tree.pixels.altitude_m[index];
                 let turns = if around > 0 { -1..=1 } else { 0..=0 };
                 let at = turns.map(|turns| i64::from(column) + around as i64 + turns * turn);
-                lights.extend(at.filter(|at| (0..columns as i64).contains(at)).map(|column| {
-                    Light { column: column as usize, row: row as usize, flux_dnb_w, altitude_m }
+                lights.extend(at.filter(|at| (0..columns as i64).contains(at)).map(|column| Light {
+                    column: column as usize,
+                    row: row as usize,
+                    flux_dnb_w,
+                    altitude_m,
                 }));
             }
         }

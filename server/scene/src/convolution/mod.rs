@@ -31,8 +31,6 @@ use std::sync::Arc;
 
 /// Rows of pixels whose places are summed one after the other.
 const STRIP_PIXELS: u32 = 256;
-/// Numbers of strips in a [`PatchStore`] have this bit, by which they are no patches of the dual tree.
-const STRIP_BIT: u64 = 1 << 47;
 /// Latitudes beyond which a row of cells within reach is too long, degrees.
 const MAX_LATITUDE_DEG: f64 = 75.0;
 /// Most pixels of a raster, those that it goes on beyond its sides among them: each takes eight bytes.
@@ -103,7 +101,7 @@ impl<'a> Convolution<'a> {
         let mut all = Vec::with_capacity(self.lattice.len());
         for (number, first) in (0u64..).zip((0..rows).step_by(strip_rows)) {
             let strip = TargetRange { columns: 0..columns, rows: first..(first + strip_rows).min(rows) };
-            let (number, count) = (STRIP_BIT | number, strip.rows.len() * columns);
+            let count = strip.rows.len() * columns;
             let known = store.load(number, count).filter(|sums| sums.len() == count);
             if let Some(known) = known {
                 all.extend(known);
@@ -122,10 +120,8 @@ impl<'a> Convolution<'a> {
     fn band_sums(&self) -> Vec<BandSum> {
         let (x, y) = self.lattice.position(0.0, 0.0);
         let places = Targets { first: [x, y], step: f64::from(self.lattice.step) };
-        let whole = TargetRange {
-            columns: 0..self.lattice.columns as usize,
-            rows: 0..self.lattice.rows as usize,
-        };
+        let whole =
+            TargetRange { columns: 0..self.lattice.columns as usize, rows: 0..self.lattice.rows as usize };
         let Some(range_m) = self.altitude_range_m(&whole) else { return Vec::new() };
         let mut kinds: Vec<&PlaceKernel> = Vec::new();
         for (_, kernel) in self.layers {

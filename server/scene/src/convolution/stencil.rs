@@ -49,7 +49,8 @@ impl Stencil {
         };
         let here = point(0.0, 0.0);
         let away_m = |to: DVec3| (EARTH_RADIUS_M * (to - here)).as_vec3();
-        let reach_rows = (band.reach_m() / EARTH_RADIUS_M / latitude_step_deg.to_radians().abs()).ceil() as i64 + 1;
+        let reach_rows =
+            (band.reach_m() / EARTH_RADIUS_M / latitude_step_deg.to_radians().abs()).ceil() as i64 + 1;
         let mut stencil =
             Self { first_row: -reach_rows, rows: Vec::new(), start: vec![0], samples: Vec::new() };
         for row in -reach_rows..=reach_rows + 1 {
@@ -83,7 +84,9 @@ impl Stencil {
                         half_m(point(along + 0.5, down), point(along - 0.5, down)),
                         half_m(point(along, down + 0.5), point(along, down - 0.5)),
                     ];
-                    for_each_point(middle_m, halves_m, 1.0, &mut |at_m, part| take(at_m.length_squared(), part));
+                    for_each_point(middle_m, halves_m, 1.0, &mut |at_m, part| {
+                        take(at_m.length_squared(), part)
+                    });
                 }
                 stencil.start.push(stencil.samples.len() as u32);
             }

@@ -6,7 +6,7 @@ use crate::morton;
 use crate::place_kernel::RingPosition;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{MIN_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::MIN_SOURCE_DISTANCE_M;
 
 /// The two Gauss–Legendre points of −1..=1 are ± this, 1/√3.
 const GAUSS: f32 = 0.577_350_26;
@@ -90,17 +90,19 @@ impl NearSource {
             let blocking = skylines.map_or(0.0, |skylines| {
                 skylines.blocking(candidate.index as usize, turns, ring.log_distance()) as f32
             });
-            let [low, high] = [below, below + 1].map(|node| kernel.at(node, ring, offset_m, blocking));
+            let [low, high] =
+                [below, below + 1].map(|node| sources.sum.at(kernel, node, ring, offset_m, blocking));
             low + up * (high - low)
         };
         // Pixels beyond 5 km are points, as everywhere.
-        const POINTS_BEYOND_M2: f32 = (SPLIT_WITHIN_M * SPLIT_WITHIN_M) as f32;
-        if square_m2 >= POINTS_BEYOND_M2 {
+        if square_m2 >= sources.sum.split_within_m().powi(2) as f32 {
             return self.flux_dnb_w * one(ring);
         }
         let of_point = |away_m: Vec3| RingPosition::of_square(away_m.length_squared()).map_or(0.0, one);
         let mut sum = 0.0;
-        for_each_point(away_m, self.halves_m, self.flux_dnb_w, &mut |away_m, part| sum += part * of_point(away_m));
+        for_each_point(away_m, self.halves_m, self.flux_dnb_w, &mut |away_m, part| {
+            sum += part * of_point(away_m)
+        });
         sum
     }
 }
