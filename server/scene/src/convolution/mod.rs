@@ -183,3 +183,6 @@ impl<'a> Convolution<'a> {
         sums
     }
 }
+
+#[cfg(test)]
+mod tests;
