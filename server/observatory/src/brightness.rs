@@ -14,7 +14,7 @@ use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
     ChangeId, PatchStore, PlaceKernel, PlaceLattice, PlaceValues, PolarGrid, RasterTile, Scene, SceneId,
-    SceneMetadata,
+    SceneMetadata, SumWay,
 };
 use skyglow_tables::Scattering;
 use std::{
@@ -195,11 +195,25 @@ impl Observatory {
         request: &BrightnessRequest,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, ObservatoryError> {
+        self.brightness_by(view, request, None, store)
+    }
+
+    /// The same, summed in a given way; None takes what [`Scene::way_to_sum`] says.
+    ///
+    /// # Errors
+    /// As [`Self::brightness_in`].
+    pub fn brightness_by(
+        &self,
+        view: &SceneView,
+        request: &BrightnessRequest,
+        way: Option<SumWay>,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
         // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
-            Ok(threads) => threads.install(|| self.find_brightness(view, request, store)),
-            Err(_) => self.find_brightness(view, request, store),
+            Ok(threads) => threads.install(|| self.find_brightness(view, request, way, store)),
+            Err(_) => self.find_brightness(view, request, way, store),
         }
     }
 
@@ -207,6 +221,7 @@ impl Observatory {
         &self,
         view: &SceneView,
         request: &BrightnessRequest,
+        way: Option<SumWay>,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, ObservatoryError> {
         let mut steps = Vec::new();
@@ -220,7 +235,7 @@ impl Observatory {
         let altitudes_m: Vec<f32> =
             scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
         step("ground");
-        let values = self.zenith_at(&scene, request, (lattice, &altitudes_m), store, &mut step)?;
+        let values = self.zenith_at(&scene, request, (lattice, &altitudes_m), way, store, &mut step)?;
         let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
         Ok(BrightnessMap {
             scene,
@@ -241,6 +256,7 @@ impl Observatory {
     /// What is seen at the places of a lattice; NaN where the altitude is.
     ///
     /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    /// * `way`: how lights are summed; None takes what [`Scene::way_to_sum`] says.
     ///
     /// # Errors
     /// As [`Self::brightness_in`].
@@ -249,6 +265,7 @@ impl Observatory {
         scene: &Scene,
         request: &BrightnessRequest,
         (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        way: Option<SumWay>,
         store: &dyn PatchStore,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Vec<f32>, ObservatoryError> {
@@ -292,7 +309,8 @@ impl Observatory {
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
             step("kernel");
             let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
-            let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, &of_pack);
+            let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
+            let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, way, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");
         }

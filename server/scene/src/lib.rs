@@ -17,6 +17,7 @@
 mod blocked_sources;
 mod boundary;
 mod changes;
+mod convolution;
 mod coverage;
 mod demo;
 mod dual_tree;
@@ -79,7 +80,7 @@ pub use metadata::{
 };
 pub use place_kernel::{PlaceKernel, UniformAxis};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
-pub use scene::Scene;
+pub use scene::{Scene, SumWay};
 pub use scene_id::SceneId;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
 pub use store::{SceneList, SceneStore, UploadFolder};

@@ -37,6 +37,18 @@ impl UniformAxis {
         let below = (place as usize).min(self.count - 2);
         (below, place - below as f32)
     }
+
+    /// The weight of a node at a place; 0 for no number.
+    #[inline(always)]
+    pub(crate) fn weight(&self, node: usize, at_m: f32) -> f32 {
+        let (below, up) = self.position(at_m);
+        match node {
+            _ if at_m.is_nan() => 0.0,
+            _ if node == below => 1.0 - up,
+            _ if node == below + 1 => up,
+            _ => 0.0,
+        }
+    }
 }
 
 /// What one DNB watt adds to a number at a place, by the place's altitude, distance, height of the light over the place and
@@ -80,6 +92,17 @@ impl RingPosition {
         let place = (log * rings_per_log).min((RING_COUNT - 1) as f32);
         let ring = (place as usize).min(RING_COUNT - 2);
         Self { ring, out: place - ring as f32 }
+    }
+
+    /// Of a ring itself.
+    pub(crate) fn node(ring: usize) -> Self {
+        let below = ring.min(RING_COUNT - 2);
+        Self { ring: below, out: (ring - below) as f32 }
+    }
+
+    /// The ring below and the weight of the next.
+    pub(crate) fn parts(self) -> (usize, f32) {
+        (self.ring, self.out)
     }
 
     /// ln(distance/250 m).

@@ -2,9 +2,10 @@
 
 use crate::blocked_sources;
 use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
+use crate::convolution::Convolution;
 use crate::coverage;
 use crate::dual_tree;
-use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources};
+use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources, Stage, SumOf};
 use crate::error::SceneError;
 use crate::gather;
 use crate::geotiff::{self, RasterError, RasterMetadata};
@@ -25,6 +26,22 @@ use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
 use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
 use std::sync::Arc;
+
+/// Numbers of what convolutions store begin here, and those of patches of what skylines take, so that they are none of the dual
+/// tree's.
+const STRIPS: u64 = 1 << 46;
+const HIDDEN_PATCHES: u64 = 1 << 47;
+/// The part of the time that convolutions take where there are skylines, about.
+const CONVOLUTION_PART: f64 = 0.3;
+
+/// How the lights at all places of a lattice are summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SumWay {
+    /// By the dual tree: at any places, and behind skylines.
+    DualTree,
+    /// By convolution where that can be, what skylines take by the dual tree; else all by that.
+    Convolution,
+}
 
 /// A scene in memory. It needs neither its files nor GDAL to answer queries. A clone shares everything but its metadata.
 #[derive(Clone, Debug)]
@@ -438,6 +455,7 @@ impl Scene {
     /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
     /// * `kernels`: of each of [`Self::fixtures`].
     /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
+    /// * `way`: how they are summed; [`Self::way_to_sum`] says which is the shorter.
     /// * `store`: may know patches from before, is given each that is done, and may cancel the computation.
     ///
     /// None where it was cancelled.
@@ -450,6 +468,7 @@ impl Scene {
         altitudes_m: &[f32],
         kernels: &[PlaceKernel],
         terrain_hides: bool,
+        way: SumWay,
         store: &dyn PatchStore,
     ) -> Option<Vec<f32>> {
         assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
@@ -463,8 +482,36 @@ impl Scene {
             })
             .collect();
         let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
-        let sources = Sources { grid: &self.grid, layers: &layers };
-        dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+        let tree = |sum: SumOf, store: &dyn PatchStore| {
+            let sources = Sources { grid: &self.grid, layers: &layers, sum };
+            dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+        };
+        let convolution = Convolution::new(&self.grid, &layers, lattice, altitudes_m);
+        let (SumWay::Convolution, Some(convolution)) = (way, convolution) else {
+            return tree(SumOf::All, store);
+        };
+        let stage =
+            |first_number: u64, begin: f64, end: f64| Stage { store, first_number, progress: [begin, end] };
+        if layers.iter().all(|(light, _)| light.skylines.is_none()) {
+            return convolution.sum(&stage(STRIPS, 0.0, 1.0));
+        }
+        // Under an open sky, and of that what skylines take.
+        let open = convolution.sum(&stage(STRIPS, 0.0, CONVOLUTION_PART))?;
+        let hidden = tree(SumOf::Hidden, &stage(HIDDEN_PATCHES, CONVOLUTION_PART, 1.0))?;
+        Some(open.iter().zip(hidden).map(|(open, hidden)| (open + hidden).max(0.0 * open)).collect())
+    }
+
+    /// The way in which the lights at the places of a lattice are summed sooner, by an estimate: convolutions take as long whether
+    /// there is light or not, the dual tree takes longer the more pixels are lit near a place.
+    pub fn way_to_sum(&self, lattice: PlaceLattice) -> SumWay {
+        let lit_pixels = self.light_layers.iter().map(LightLayer::len).sum::<usize>() as f64;
+        let pixels = f64::from(self.grid.width) * f64::from(self.grid.height);
+        let range_m =
+            self.light_altitude_range_m().map_or(0.0, |[lowest, highest]| f64::from(highest - lowest));
+        let places = lattice.len() as f64;
+        let tree_us = places * (2.0 + 50.0 * lit_pixels / pixels);
+        let convolution_us = places * (1.0 + (range_m / 250.0).min(8.0)) + lit_pixels + 0.02 * pixels;
+        if convolution_us < tree_us { SumWay::Convolution } else { SumWay::DualTree }
     }
 
     /// The code of a pixel in [`PixelFactors`](crate::PixelFactors).

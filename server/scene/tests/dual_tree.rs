@@ -9,7 +9,7 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources};
 use skyglow_scene::{
-    Area, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, UniformAxis,
+    Area, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, SumWay, UniformAxis,
     ring_distance_m,
 };
 
@@ -72,10 +72,14 @@ fn polar_sum(scene: &Scene, place: GeoPoint, altitude_m: f64) -> f64 {
 }
 
 fn sums(scene: &Scene, lattice: PlaceLattice, hides: bool) -> (Vec<f32>, Vec<f32>) {
+    sums_by(SumWay::DualTree, scene, lattice, hides)
+}
+
+fn sums_by(way: SumWay, scene: &Scene, lattice: PlaceLattice, hides: bool) -> (Vec<f32>, Vec<f32>) {
     let altitudes_m: Vec<f32> =
         scene.ground_altitudes_m(lattice).iter().map(|ground_m| ground_m + 2.0).collect();
     let kernels: Vec<PlaceKernel> = scene.fixtures().iter().map(|_| kernel(hides)).collect();
-    let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, &|_: f64| true).unwrap();
+    let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, way, &|_: f64| true).unwrap();
     (sums, altitudes_m)
 }
 
@@ -180,6 +184,17 @@ fn hills_raise_observers_and_hide_lights() {
     assert_small(&errors(&scene, 2_503, false, direct_sum), 2e-3, 1e-2);
     let hidden = errors(&scene, 2_503, true, polar_sum);
     assert_small(&hidden, 3e-3, 2e-2);
+    // Convolutions and what skylines take from them have the same sums.
+    let lattice = scene.place_lattice(usize::MAX);
+    let [tree, convolution] =
+        [SumWay::DualTree, SumWay::Convolution].map(|way| sums_by(way, &scene, lattice, true).0);
+    let mut differences: Vec<f64> = tree
+        .iter()
+        .zip(&convolution)
+        .map(|(tree, convolution)| (f64::from(*convolution) / f64::from(*tree) - 1.0).abs())
+        .collect();
+    differences.sort_by(f64::total_cmp);
+    assert_small(&differences, 3e-3, 3e-2);
     // The negative control: what is hidden shows.
     let seen = errors(&scene, 2_503, false, polar_sum);
     assert!(
@@ -220,9 +235,15 @@ fn coarse_lattices_sum_at_block_centres() {
     // Nobody can be where there is no altitude.
     let mut nowhere = altitudes_m.clone();
     nowhere[75 * 20..75 * 30].fill(f32::NAN);
-    let parts = scene.sum_at_places(lattice, &nowhere, &[kernel(false)], false, &|_: f64| true).unwrap();
+    let parts = scene
+        .sum_at_places(lattice, &nowhere, &[kernel(false)], false, SumWay::DualTree, &|_: f64| true)
+        .unwrap();
     assert!(nowhere.iter().zip(&parts).all(|(altitude_m, sum)| altitude_m.is_nan() == sum.is_nan()));
-    assert!(scene.sum_at_places(lattice, &altitudes_m, &[kernel(false)], false, &|_: f64| false).is_none());
+    assert!(
+        scene
+            .sum_at_places(lattice, &altitudes_m, &[kernel(false)], false, SumWay::DualTree, &|_: f64| false)
+            .is_none()
+    );
     let edit = Edit {
         area: Area::Polygons(vec![vec![vec![
             [36.0, -3.0],
@@ -235,7 +256,8 @@ fn coarse_lattices_sum_at_block_centres() {
     };
     let (dark, _) = scene.changed(&[ChangeStep::Painted(vec![edit])], "dark").unwrap();
     let kernels: Vec<PlaceKernel> = dark.fixtures().iter().map(|_| kernel(false)).collect();
-    let sums = dark.sum_at_places(lattice, &altitudes_m, &kernels, false, &|_: f64| true).unwrap();
+    let sums =
+        dark.sum_at_places(lattice, &altitudes_m, &kernels, false, SumWay::DualTree, &|_: f64| true).unwrap();
     assert!(sums.iter().all(|sum| *sum == 0.0));
 }
 

@@ -4,16 +4,12 @@ use super::near_field::{NearLights, Observer};
 use super::node_sums::NodeSums;
 use super::patch::{Patch, PatchGround};
 use super::place_lattice::PlaceLattice;
-use super::sources::{Candidate, Cluster, Sources};
+use super::sources::{Candidate, Cluster, Sources, SumOf};
 use crate::light_tree::turns_from_light;
 use crate::place_kernel::RingPosition;
 use skyglow_physics::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
 
-/// Largest radius (half-diagonal) of a patch relative to the distance of lights whose sum is interpolated over it.
-const FAR_GROUND_RATIO: f64 = 0.22;
-/// Opening ratio: largest radius of a cluster relative to the distance of the ground to which it stands for its lights.
-const FAR_LIGHT_RATIO: f64 = 0.06;
 /// Places along a side of a leaf patch, which is not halved any more, at most.
 pub(super) const LEAF_SIDE_PLACES: u32 = 8;
 /// Longest side of a leaf patch, metres, unless it is one place: nearer than that, all lights are near.
@@ -80,6 +76,7 @@ impl Accumulator<'_> {
                 let far = self.sources.layers.first().map_or(0.0, |(_, kernel)| {
                     node_sums.at(f64::from(column), f64::from(row), kernel.altitudes().position(altitude_m))
                 });
+                let far = if self.sources.sum == SumOf::All { far.max(0.0) } else { far };
                 values.push(far + near.at(&self.sources, &observer));
             }
         }
@@ -125,10 +122,12 @@ impl Accumulator<'_> {
                 continue;
             }
             let nearest_m = distance_m - ground.radius_m;
-            let ground_is_small = ground.radius_m <= FAR_GROUND_RATIO * (distance_m - cluster.radius_m);
-            let light_is_small = cluster.radius_m <= FAR_LIGHT_RATIO * nearest_m;
+            let ground_is_small =
+                ground.radius_m <= self.sources.sum.far_ground_ratio() * (distance_m - cluster.radius_m);
+            let light_is_small = cluster.radius_m <= self.sources.sum.far_light_ratio() * nearest_m;
             // Of a block larger than the ground some parts may be far.
-            let is_near = (!ground_is_small || nearest_m - cluster.radius_m < SPLIT_WITHIN_M)
+            let is_near = (!ground_is_small
+                || nearest_m - cluster.radius_m < self.sources.sum.pixels_within_m())
                 && (cluster.radius_m <= 0.5 * ground.radius_m || candidate.level == 0);
             // Lights that only a part of the ground has within 300 km are no smooth sum over all of it.
             let is_at_the_end = light_is_small && distance_m + ground.radius_m > MAX_SOURCE_DISTANCE_M;
@@ -156,7 +155,8 @@ impl Accumulator<'_> {
                 continue;
             }
             let nearest_m = distance_m - ground.radius_m;
-            let is_small = nearest_m > SPLIT_WITHIN_M && cluster.radius_m <= FAR_LIGHT_RATIO * nearest_m;
+            let is_small = nearest_m > self.sources.sum.pixels_within_m()
+                && cluster.radius_m <= self.sources.sum.far_light_ratio() * nearest_m;
             if candidate.level == 0 || is_small && !self.sources.is_touched(candidate) {
                 near.push(&self.sources, ground.middle, candidate, &cluster);
             } else {
@@ -188,7 +188,8 @@ impl Accumulator<'_> {
             for (step, sums) in node_sums.sums.iter_mut().enumerate() {
                 let altitude = node_sums.lowest + step;
                 let offset_m = (altitude_m - kernel.altitudes().node_m(altitude)) as f32;
-                sums[node] += flux_dnb_w * kernel.at(altitude, ring, offset_m, blocking as f32);
+                sums[node] +=
+                    flux_dnb_w * self.sources.sum.at(kernel, altitude, ring, offset_m, blocking as f32);
             }
         }
     }

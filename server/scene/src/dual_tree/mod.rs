@@ -24,11 +24,13 @@ mod place_values;
 mod sources;
 
 pub(crate) use accumulator::Accumulator;
+pub(crate) use near_field::for_each_point;
 pub use patch_store::PatchStore;
+pub(crate) use patch_store::Stage;
 pub use place_lattice::PlaceLattice;
 pub(crate) use place_lattice::ground_altitudes_m;
 pub use place_values::PlaceValues;
-pub(crate) use sources::Sources;
+pub(crate) use sources::{Sources, SumOf};
 
 use accumulator::LEAF_SIDE_PLACES;
 use chebyshev::Interval;

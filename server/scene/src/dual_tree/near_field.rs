@@ -6,7 +6,7 @@ use crate::morton;
 use crate::place_kernel::RingPosition;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
-use skyglow_physics::source_pixel::{MIN_SOURCE_DISTANCE_M, SPLIT_WITHIN_M};
+use skyglow_physics::source_pixel::MIN_SOURCE_DISTANCE_M;
 
 /// The two Gauss–Legendre points of −1..=1 are ± this, 1/√3.
 const GAUSS: f32 = 0.577_350_26;
@@ -90,36 +90,45 @@ impl NearSource {
             let blocking = skylines.map_or(0.0, |skylines| {
                 skylines.blocking(candidate.index as usize, turns, ring.log_distance()) as f32
             });
-            let [low, high] = [below, below + 1].map(|node| kernel.at(node, ring, offset_m, blocking));
+            let [low, high] =
+                [below, below + 1].map(|node| sources.sum.at(kernel, node, ring, offset_m, blocking));
             low + up * (high - low)
         };
         // Pixels beyond 5 km are points, as everywhere.
-        const POINTS_BEYOND_M2: f32 = (SPLIT_WITHIN_M * SPLIT_WITHIN_M) as f32;
-        if square_m2 >= POINTS_BEYOND_M2 {
+        if square_m2 >= sources.sum.split_within_m().powi(2) as f32 {
             return self.flux_dnb_w * one(ring);
         }
         let of_point = |away_m: Vec3| RingPosition::of_square(away_m.length_squared()).map_or(0.0, one);
-        self.flux_dnb_w * mean_over_ground(away_m, self.halves_m, &of_point)
+        let mut sum = 0.0;
+        for_each_point(away_m, self.halves_m, self.flux_dnb_w, &mut |away_m, part| {
+            sum += part * of_point(away_m)
+        });
+        sum
     }
 }
 
-/// The mean of a function over a parallelogram around `away_m` from the observer, given half its sides: subdivided until the parts
-/// are small relative to their distance (to 250 m where they are nearer).
-fn mean_over_ground(away_m: Vec3, [east, south]: [Vec3; 2], of_point: &impl Fn(Vec3) -> f32) -> f32 {
+/// Calls `visit` with points of a parallelogram around `away_m` from the observer, given half its sides, and the part of it that each
+/// stands for: subdivided until the parts are small relative to their distance (to 250 m where they are nearer).
+///
+/// * `part`: what the parts add up to.
+pub(crate) fn for_each_point(
+    away_m: Vec3,
+    [east, south]: [Vec3; 2],
+    part: f32,
+    visit: &mut impl FnMut(Vec3, f32),
+) {
     let longest_m2 = 4.0 * east.length_squared().max(south.length_squared());
     let ratio = (longest_m2 / away_m.length_squared().max(MIN_SOURCE_DISTANCE_M.powi(2) as f32)).sqrt();
     if ratio <= 1.0 / 6.0 {
-        return of_point(away_m);
+        return visit(away_m, part);
     }
     let (apart, is_split) = if ratio <= 0.5 { (GAUSS, false) } else { (0.5, true) };
-    let corners = [(-apart, -apart), (apart, -apart), (-apart, apart), (apart, apart)];
-    let of_part = |(along, down): (f32, f32)| {
+    for (along, down) in [(-apart, -apart), (apart, -apart), (-apart, apart), (apart, apart)] {
         let away_m = away_m + along * east + down * south;
         if is_split {
-            mean_over_ground(away_m, [0.5 * east, 0.5 * south], of_point)
+            for_each_point(away_m, [0.5 * east, 0.5 * south], 0.25 * part, visit);
         } else {
-            of_point(away_m)
+            visit(away_m, 0.25 * part);
         }
-    };
-    0.25 * corners.into_iter().map(of_part).sum::<f32>()
+    }
 }

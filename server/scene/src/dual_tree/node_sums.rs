@@ -32,7 +32,7 @@ impl NodeSums {
     pub(super) fn at(&self, column: f64, row: f64, (below, up): (usize, f32)) -> f32 {
         let (columns, rows) = (self.patch.columns.weights_at(column), self.patch.rows.weights_at(row));
         let [low, high] = [0, 1].map(|step| mix(&self.sums[below - self.lowest + step], &columns, &rows));
-        (low + up * (high - low)).max(0.0)
+        low + up * (high - low)
     }
 }
 

@@ -19,3 +19,23 @@ impl<F: Fn(f64) -> bool + Sync> PatchStore for F {
         self(progress)
     }
 }
+
+/// One of several computations whose patches one store is given.
+pub(crate) struct Stage<'a> {
+    pub(crate) store: &'a dyn PatchStore,
+    /// Added to the numbers of its patches, which are below it.
+    pub(crate) first_number: u64,
+    /// Progress where it begins and where it ends.
+    pub(crate) progress: [f64; 2],
+}
+
+impl PatchStore for Stage<'_> {
+    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.store.load(self.first_number + patch, count)
+    }
+
+    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
+        let [begin, end] = self.progress;
+        self.store.store(self.first_number + patch, sums, begin + progress * (end - begin))
+    }
+}

@@ -74,6 +74,11 @@ impl PlaceLattice {
         self.len() == 0
     }
 
+    /// Whether places are as many pixels apart along either axis.
+    pub(crate) fn is_even(&self) -> bool {
+        self.steps == [self.step; 2]
+    }
+
     /// The geotransform of a raster with a pixel for each place, from that of the scene's raster.
     pub(crate) fn geotransform(&self, pixels: [f64; 6]) -> [f64; 6] {
         let [across, down] = self.steps.map(f64::from);
@@ -84,7 +89,7 @@ impl PlaceLattice {
     }
 
     /// Pixel coordinates of a place by its column and row, which may lie between places.
-    pub(super) fn position(&self, column: f64, row: f64) -> (f64, f64) {
+    pub(crate) fn position(&self, column: f64, row: f64) -> (f64, f64) {
         let [across, down] = self.steps.map(f64::from);
         let [left, top] = self.first.map(f64::from);
         (left + (column + 0.5) * across, top + (row + 0.5) * down)

@@ -3,8 +3,9 @@
 use crate::grid::Grid;
 use crate::light_tree::LightTree;
 use crate::morton;
-use crate::place_kernel::PlaceKernel;
+use crate::place_kernel::{PlaceKernel, RingPosition};
 use glam::DVec3;
+use skyglow_physics::source_pixel::SPLIT_WITHIN_M;
 
 /// A block of lights (a pixel at level 0) of a layer.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,67 @@ pub(super) struct Cluster {
 pub(crate) struct Sources<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) layers: &'a [(LightTree<'a>, &'a PlaceKernel)],
+    pub(crate) sum: SumOf,
+}
+
+/// What is summed over the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SumOf {
+    /// What they do to a place.
+    All,
+    /// What their skylines take from it: at most 0. A small part of the whole, it may be less exact.
+    Hidden,
+}
+
+impl SumOf {
+    /// Largest radius (half-diagonal) of a patch relative to the distance of lights whose sum is interpolated over it.
+    pub(super) fn far_ground_ratio(self) -> f64 {
+        match self {
+            Self::All => 0.22,
+            Self::Hidden => 0.4,
+        }
+    }
+
+    /// Opening ratio: largest radius of a cluster relative to the distance of the ground to which it stands for its lights.
+    pub(super) fn far_light_ratio(self) -> f64 {
+        match self {
+            Self::All => 0.06,
+            Self::Hidden => 0.15,
+        }
+    }
+
+    /// Nearer than this every pixel stands for itself, metres.
+    pub(super) fn pixels_within_m(self) -> f64 {
+        match self {
+            Self::All => SPLIT_WITHIN_M,
+            Self::Hidden => 0.5 * SPLIT_WITHIN_M,
+        }
+    }
+
+    /// Nearer than this a pixel is the mean over its ground, metres.
+    pub(super) fn split_within_m(self) -> f64 {
+        match self {
+            Self::All => SPLIT_WITHIN_M,
+            Self::Hidden => 0.2 * SPLIT_WITHIN_M,
+        }
+    }
+
+    /// The kernel at a node of the axis of altitudes, as [`PlaceKernel::at`] has it, or what a skyline takes from it.
+    #[inline(always)]
+    pub(super) fn at(
+        self,
+        kernel: &PlaceKernel,
+        altitude: usize,
+        ring: RingPosition,
+        offset_m: f32,
+        blocking: f32,
+    ) -> f32 {
+        let all = kernel.at(altitude, ring, offset_m, blocking);
+        match self {
+            Self::All => all,
+            Self::Hidden => all - kernel.at(altitude, ring, offset_m, 0.0),
+        }
+    }
 }
 
 impl<'a> Sources<'a> {
@@ -49,8 +111,12 @@ impl<'a> Sources<'a> {
         level > 0 && removed.is_some_and(|removed| removed.is_touched(level as usize, index as usize))
     }
 
-    /// Whether a block has lost all of its lights.
+    /// Whether a block has no lights that count any more.
     pub(super) fn is_removed(&self, Candidate { layer, level, index }: Candidate) -> bool {
+        let light = &self.layers[layer as usize].0;
+        if self.sum == SumOf::Hidden && light.skylines_of(level as usize, index as usize).is_none() {
+            return true;
+        }
         self.layers[layer as usize].0.removed.is_some_and(|removed| match level {
             0 => removed.is_removed(index as usize),
             level => removed.is_empty_block(level as usize, index as usize),

@@ -4,7 +4,7 @@ use crate::arguments::{Outcome, turbidity};
 use skyglow_lab::setup::{observatory, open_sky};
 use skyglow_observatory::{BrightnessRequest, MapMeasure, SkyRequest};
 use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
-use skyglow_scene::SceneId;
+use skyglow_scene::{SceneId, SumWay};
 use skyglow_tables::Scattering;
 use std::{path::PathBuf, time::Instant};
 
@@ -32,6 +32,9 @@ pub(crate) struct Arguments {
     /// What of the sky.
     #[arg(long, value_enum, default_value = "zenith")]
     measure: Measured,
+    /// How lights are summed: as the program chooses, by the dual tree, or by convolution where that can be.
+    #[arg(long, default_value = "auto", value_parser = ["auto", "tree", "convolution"])]
+    way: String,
 }
 
 /// What of the sky is mapped.
@@ -67,9 +70,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         terrain_hides: arguments.terrain == "on",
         max_places: arguments.max_places,
     };
-    observatory.view(&id, None)?;
+    let way = match arguments.way.as_str() {
+        "tree" => Some(SumWay::DualTree),
+        "convolution" => Some(SumWay::Convolution),
+        _ => None,
+    };
+    let view = observatory.view(&id, None)?;
     let start = Instant::now();
-    let map = observatory.brightness(&request, &|_: f64| true)?;
+    let map = observatory.brightness_by(&view, &request, way, &|_: f64| true)?;
     let seconds = start.elapsed().as_secs_f64();
     let lattice = map.places().lattice();
     println!(
