@@ -21,7 +21,7 @@ const said = (page) => page.locator("[data-value=scattering] b").textContent();
 async function pretend(page, pretended) {
   const asked = [];
   await page.route("**/api/v1/atmospheres", (route) => route.fulfill({ json: pretended }));
-  await page.route(/\/(sky|panorama\.sky)\?/, async (route) => {
+  await page.route(/scenes\/[^/]+\/(sky|panorama\.sky|shares|night)\?/, async (route) => {
     const url = new URL(route.request().url());
     const wanted = url.searchParams.get("scattering");
     asked.push(wanted);
