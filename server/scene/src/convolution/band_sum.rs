@@ -9,8 +9,10 @@ use crate::place_kernel::{PlaceKernel, UniformAxis};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of pixels that share the stencils of their middle: metres across are those of a latitude at most four pixels away.
-const LANE_PIXELS: usize = 8;
+/// Rows of pixels that share the stencils of their middle row at most.
+const LANE_PIXELS: f64 = 8.0;
+/// Metres across differ from those of the middle row by at most this part.
+const MAX_STRETCH: f64 = 6e-4;
 
 /// Points spread evenly over a raster.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +85,14 @@ impl BandSum {
         new: &(impl Fn(&TargetRange) -> T + Sync),
         take: &(impl Fn(&mut T, &TargetRange, usize, [usize; 2], &[f32]) + Sync),
     ) -> Vec<T> {
-        let lane_rows = (LANE_PIXELS / self.targets.step as usize).max(1);
+        let end_deg = |row: usize| {
+            let y = self.targets.first[1] + self.targets.step * row as f64;
+            (self.axes.first_latitude_deg + self.axes.latitude_step_deg * y).abs()
+        };
+        let slope = end_deg(range.rows.start).max(end_deg(range.rows.end)).min(89.0).to_radians().tan();
+        let stretch_of_pixel = 0.5 * slope * self.axes.latitude_step_deg.to_radians().abs();
+        let lane_pixels = LANE_PIXELS.min(MAX_STRETCH / stretch_of_pixel.max(1e-12));
+        let lane_rows = (lane_pixels / self.targets.step).max(1.0) as usize;
         let lanes: Vec<TargetRange> = (range.rows.clone().step_by(lane_rows))
             .map(|first| TargetRange {
                 rows: first..(first + lane_rows).min(range.rows.end),

