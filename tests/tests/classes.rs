@@ -13,7 +13,7 @@ use skyglow_physics::EmissionMix;
 use skyglow_tests::tree;
 
 /// Those with a stored reference.
-const TURBIDITIES: [f64; 3] = [2.5, 4.0, 6.0];
+const TURBIDITIES: [f64; 5] = [1.75, 2.0, 2.5, 4.0, 6.0];
 
 /// Those in which nothing is missed, between packs and at two.
 const WITHIN: [f64; 4] = [1.75, 2.0, 2.5, 3.0];
