@@ -22,8 +22,6 @@ import { mountNotice } from "./ui/notice.ts";
 import { mountPageStatus } from "./ui/page-status.ts";
 import type { PaintCard } from "./ui/paint-card.ts";
 import { mountPictureControls } from "./ui/picture-controls.ts";
-import { mountReadout } from "./ui/readout.ts";
-import { mountRegionButton } from "./ui/region-button.ts";
 import { mountResponseControls } from "./ui/response-controls.ts";
 import { mountSceneSelect } from "./ui/scene-select.ts";
 import { Search } from "./ui/search.ts";
@@ -51,8 +49,6 @@ mountPictureControls(store);
 mountLightsControls(store);
 mountLayerPanel(store);
 mountSummary(store);
-mountReadout(store);
-mountRegionButton(store);
 new Legend(store);
 new SkyView(byId("sky-view", HTMLElement), store);
 

@@ -1,4 +1,4 @@
-// What is there for a picked place: its night, numbers, plans, paint and files. The page loads it with the first place.
+// What is there for a picked place: what the picture reads, its night, numbers, plans, paint and files. The page loads it with the first place.
 
 import type { NamedPlace } from "../api/types.ts";
 import { DarkerSession } from "../data/darker-session.ts";
@@ -14,6 +14,8 @@ import { mountDownloads } from "./downloads.ts";
 import { mountNumbers } from "./numbers.ts";
 import { PaintCard } from "./paint-card.ts";
 import { PlanCard } from "./plan-card.ts";
+import { mountReadout } from "./readout.ts";
+import { mountRegionButton } from "./region-button.ts";
 import { mountShare } from "./share.ts";
 import { mountShares } from "./shares.ts";
 import { TimeLine } from "./time-line.ts";
@@ -25,6 +27,8 @@ export interface MapMoves {
 }
 
 export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves): PaintCard {
+  mountReadout(store);
+  mountRegionButton(store);
   followNight(store);
   followNightHours(store);
   new SharesSession(store);
