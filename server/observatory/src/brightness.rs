@@ -3,13 +3,12 @@
 use crate::{
     error::ObservatoryError,
     influence::{KernelRange, place_kernel},
-    influence_map::Measure,
-    night_sky::dark_outside,
+    map_measure::MapMeasure,
     observatory::Observatory,
     scene_view::SceneView,
 };
 use serde::Serialize;
-use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, LinearMeasure, Response, Turbidity};
+use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, Response, Turbidity};
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
@@ -18,7 +17,6 @@ use skyglow_scene::{
 };
 use skyglow_tables::Scattering;
 use std::{
-    f64::consts::PI,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -27,60 +25,6 @@ use std::{
 pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
-
-/// What of the open sky over a place a map shows: the ground there is level, and hides nothing of the sky.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub enum MapMeasure {
-    /// The mean luminance within 5° of the zenith, cd m⁻².
-    #[default]
-    Zenith,
-    /// The mean luminance of the sky, cd m⁻².
-    Mean,
-    /// The horizontal illuminance, lx.
-    Horizontal,
-}
-
-impl MapMeasure {
-    /// Its unit, in ASCII.
-    pub fn unit(self, response: &Response) -> String {
-        Measure::from(self).unit(response.unit())
-    }
-
-    fn weights(self) -> LinearMeasure {
-        let open = Horizon::flat();
-        match self {
-            Self::Zenith => LinearMeasure::zenith(&open),
-            Self::Mean => LinearMeasure::mean(&open),
-            Self::Horizontal => LinearMeasure::horizontal(&open),
-        }
-    }
-
-    /// What a response sees of the dark reference outside the air, in the unit of the measure, which the colours of such maps go by,
-    /// whatever the air.
-    pub fn natural_value(self, response: &Response) -> f64 {
-        let radiance = dark_outside().value(response);
-        match self {
-            Self::Zenith | Self::Mean => radiance,
-            Self::Horizontal => PI * radiance,
-        }
-    }
-
-    /// Ends of those colours, logarithmic between: from a hundredth of that, where light pollution begins to count, to forty times it.
-    pub fn colour_range(self, response: &Response) -> (f64, f64) {
-        let natural = self.natural_value(response);
-        (0.01 * natural, 40.0 * natural)
-    }
-}
-
-impl From<MapMeasure> for Measure {
-    fn from(measure: MapMeasure) -> Self {
-        match measure {
-            MapMeasure::Zenith => Self::Zenith,
-            MapMeasure::Mean => Self::Mean,
-            MapMeasure::Horizontal => Self::Horizontal,
-        }
-    }
-}
 
 /// A request for one map of brightness: under a clear sky, two metres above the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -144,7 +88,7 @@ impl BrightnessMap {
 
     /// The unit of its numbers, in ASCII.
     pub fn unit(&self) -> String {
-        self.measure.unit(&self.response)
+        self.measure.unit(self.response.unit())
     }
 
     /// Ends of its colours: [`MapMeasure::colour_range`].
@@ -235,7 +179,7 @@ impl Observatory {
         let altitudes_m: Vec<f32> =
             scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
         step("ground");
-        let values = self.zenith_at(&scene, request, (lattice, &altitudes_m), way, store, &mut step)?;
+        let values = self.seen_at(&scene, request, (lattice, &altitudes_m), way, store, &mut step)?;
         let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
         Ok(BrightnessMap {
             scene,
@@ -260,7 +204,7 @@ impl Observatory {
     ///
     /// # Errors
     /// As [`Self::brightness_in`].
-    pub(crate) fn zenith_at(
+    pub(crate) fn seen_at(
         &self,
         scene: &Scene,
         request: &BrightnessRequest,
@@ -292,7 +236,8 @@ impl Observatory {
         };
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
-        let measure = request.measure.weights();
+        let measure = request.measure.weights(&Horizon::flat());
+        let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
         let mut of_packs: Vec<Vec<f32>> = Vec::new();
         for pack in stencil.nodes() {
             let at_pack =
@@ -309,7 +254,6 @@ impl Observatory {
                 scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
             step("kernel");
             let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
-            let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
             let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, way, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Stopped)?);
             step("sums");

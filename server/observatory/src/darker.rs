@@ -124,7 +124,7 @@ impl Observatory {
         step("ground");
         let note = |done: f64| watch(done);
         let sums =
-            self.zenith_at(scene, &request.brightness, (lattice, &altitudes_m), None, &note, &mut step)?;
+            self.seen_at(scene, &request.brightness, (lattice, &altitudes_m), None, &note, &mut step)?;
         for (candidate, value) in candidates.iter_mut().zip(sums) {
             if let Some(candidate) = candidate {
                 candidate.value = value;

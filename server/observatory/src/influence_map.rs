@@ -5,6 +5,7 @@ use crate::{
     influence::{InfluenceSolver, MeasureOfCells, SeenMeasure, influence_of_pixels},
     influence_cache::{LightAround, MIN_ENTRY_BYTES},
     influence_part::Part,
+    map_measure::MapMeasure,
     observatory::Observatory,
     scene_view::SceneView,
     sky::{RenderContext, SkyRequest},
@@ -42,9 +43,9 @@ impl Measure {
     pub(crate) fn weights(&self, horizon: &Horizon) -> Option<LinearMeasure> {
         Some(match self {
             Measure::Norm => return None,
-            Measure::Zenith => LinearMeasure::zenith(horizon),
-            Measure::Mean => LinearMeasure::mean(horizon),
-            Measure::Horizontal => LinearMeasure::horizontal(horizon),
+            Measure::Zenith => MapMeasure::Zenith.weights(horizon),
+            Measure::Mean => MapMeasure::Mean.weights(horizon),
+            Measure::Horizontal => MapMeasure::Horizontal.weights(horizon),
             Measure::Region(curve) => LinearMeasure::region(curve, horizon),
         })
     }
@@ -53,9 +54,20 @@ impl Measure {
     pub fn unit(&self, of_response: &str) -> String {
         match self {
             Measure::Norm => format!("{of_response} sr0.5"),
-            Measure::Zenith | Measure::Mean | Measure::Region(_) => of_response.to_owned(),
-            Measure::Horizontal if of_response == "cd m-2" => "lx".to_owned(),
-            Measure::Horizontal => of_response.trim_end_matches(" sr-1").to_owned(),
+            Measure::Zenith => MapMeasure::Zenith.unit(of_response),
+            Measure::Mean => MapMeasure::Mean.unit(of_response),
+            Measure::Horizontal => MapMeasure::Horizontal.unit(of_response),
+            Measure::Region(_) => of_response.to_owned(),
+        }
+    }
+}
+
+impl From<MapMeasure> for Measure {
+    fn from(measure: MapMeasure) -> Self {
+        match measure {
+            MapMeasure::Zenith => Self::Zenith,
+            MapMeasure::Mean => Self::Mean,
+            MapMeasure::Horizontal => Self::Horizontal,
         }
     }
 }

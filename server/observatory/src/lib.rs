@@ -11,6 +11,7 @@ mod influence_cache;
 mod influence_map;
 mod influence_part;
 mod influence_summary;
+mod map_measure;
 pub mod night_sky;
 mod observatory;
 mod plan_request;
@@ -26,7 +27,7 @@ mod sky_at_times;
 mod surroundings;
 mod watch;
 
-pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, MapMeasure};
+pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};
@@ -36,6 +37,7 @@ pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, SeenMeasure,
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_part::Part;
 pub use influence_summary::{RING_EDGES_M, SECTOR_COUNT};
+pub use map_measure::MapMeasure;
 pub use night_sky::{ComponentSky, NightSky, SkyTime};
 pub use observatory::{OPEN_SCENE_COUNT, Observatory};
 pub use plan_request::{

@@ -138,7 +138,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
         Shown::Brightness { seen: (measure, response), query, version, .. } => {
             let range = Some(measure.colour_range(response).into());
             let description = brightness_description(*measure, response, illustrative);
-            (description, given(query), version, measure.unit(response), range)
+            (description, given(query), version, measure.unit(response.unit()), range)
         }
         Shown::Influence { measure, unit, version, query, most } => {
             let range = Some([most / INFLUENCE_SPAN, *most]);

@@ -320,7 +320,7 @@ pub(super) fn brightness_description(
     let shows = format!(
         "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the dark reference outside the air to forty times that) on a logarithmic scale; less is \
          transparent",
-        measure.unit(response)
+        measure.unit(response.unit())
     );
     notes::description(shows, illustrative)
 }

@@ -25,9 +25,7 @@ pub fn dark_sky(tables: Option<&CelestialTables>, turbidity: Turbidity, altitude
         let rings = COMPONENTS.map(|component| irradiance_of_rings(component, angles_rad, altitude_m));
         tables.zenith_of_rings(turbidity, &rings, altitude_m)
     });
-    let mut scattered = scattered.into_iter();
-    let background = COMPONENTS.map(|component| {
-        let mut kernel = scattered.next().unwrap_or_default();
+    let background = COMPONENTS.into_iter().zip(scattered).map(|(component, mut kernel)| {
         if component != Component::Stars {
             kernel
                 .iter_mut()
@@ -37,7 +35,7 @@ pub fn dark_sky(tables: Option<&CelestialTables>, turbidity: Turbidity, altitude
         light(component, kernel)
     });
     EvenSky {
-        background: background.to_vec(),
+        background: background.collect(),
         stars: vec![light(Component::Stars, direct(Component::Stars))],
         is_through_air: tables.is_some(),
     }
