@@ -9,7 +9,9 @@ use skyglow_display::{
     Disc, DisplayError, Notes, PictureOptions, PointLight, Sky, SkyBodies, encode_exr, encode_png,
     encode_tiff, encode_webp, notes, picture_with, raster,
 };
-use skyglow_observatory::{RenderedSky, night_sky::NightSky};
+use skyglow_observatory::{
+    GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground, night_sky::NightSky,
+};
 use skyglow_physics::spectrum::RGB_BANDS;
 use std::cell::OnceCell;
 use thiserror::Error;
@@ -20,18 +22,29 @@ pub enum DrawingError {
     /// A picture or raster.
     #[error(transparent)]
     Display(#[from] DisplayError),
+    /// Ground in light.
+    #[error(transparent)]
+    Ground(#[from] ObservatoryError),
     /// A document.
     #[error("writing JSON failed: {0}")]
     Json(#[from] serde_json::Error),
 }
 
-/// Draws and encodes; takes milliseconds to a second. Every format carries its assumptions, and says so where the
+/// What of the ground a picture shows in light; None where it shows none.
+fn ground_request(view: &PictureRequest, format: Format) -> Option<GroundRequest> {
+    let albedo = view.options.ground.albedo().filter(|_| matches!(format, Format::Png | Format::WebP))?;
+    let in_total = view.options.sky == Sky::Total;
+    Some(GroundRequest { azimuths: view.options.azimuths(), albedo, in_total })
+}
+
+/// Draws and encodes what was rendered for a request in a scene; takes milliseconds to a second. Every format carries its assumptions, and says so where the
 /// scene's light is made up; pictures do below the sky too, where they have a legend.
 ///
 /// # Errors
 /// [`DrawingError`], only by a defect.
 pub fn draw(
     assumptions: Assumptions,
+    (request, scene): (&SkyRequest, &SceneView),
     sky: &RenderedSky,
     view: &PictureRequest,
     format: Format,
@@ -40,11 +53,13 @@ pub fn draw(
     let light = if total.is_some() && sky.night.is_some() { Sky::TotalOfInstant } else { view.options.sky };
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
     let notes = notes(&assumptions, options.sky)?;
+    let ground = ground_request(view, format);
+    let ground = ground.map(|wanted| lit_ground(scene, request, sky, &wanted)).transpose()?;
     let image = || {
         let seen = total.as_ref().unwrap_or(&sky.seen);
         let night = sky.night.as_ref().filter(|_| total.is_some());
         let bodies = night.map(bodies_of).unwrap_or_default();
-        picture_with(&bodies, seen, &sky.response, &sky.horizon, &options)
+        picture_with(&bodies, ground.as_ref(), seen, &sky.response, &sky.horizon, &options)
     };
     let bands = OnceCell::new();
     let floats = || {

@@ -257,6 +257,9 @@ parameters! {
     }, "", false;
     /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
+    /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under
+    /// snow.
+    GROUND = "ground", Kind::Choice(&["dark", "lit", "snow"]), "dark", false;
     /// Width of the sky in the picture; the default depends on projection and format.
     WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
     /// Height of the sky in the picture, without the legend; the default depends on projection and format. Width times
@@ -403,7 +406,7 @@ parameter_sets! {
     /// Those of a panorama as a picture.
     PanoramaParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, WIDTH,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, GROUND, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
 }

@@ -70,6 +70,7 @@ pub struct Disc {
 }
 
 /// What bodies add to a picture, by row: column and light, ascending.
+#[derive(Default)]
 pub(crate) struct BodyRows(Vec<Vec<(u32, Seen)>>);
 
 impl BodyRows {
@@ -209,7 +210,7 @@ mod tests {
             ..PictureOptions::new(projection)
         };
         let sky = grey_sky(|_, _| luminance_cd_m2);
-        picture_with(bodies, &sky, &Response::Photopic, &Horizon::flat(), &options).unwrap()
+        picture_with(bodies, None, &sky, &Response::Photopic, &Horizon::flat(), &options).unwrap()
     }
 
     fn brightness(image: &image::RgbImage, direction: Direction, projection: Projection) -> u8 {
@@ -283,10 +284,12 @@ mod tests {
         let draw = |elevation_deg| {
             let bodies =
                 SkyBodies { points: vec![star(0.0, looking(40.0, elevation_deg))], discs: Vec::new() };
-            picture_with(&bodies, &grey_sky(|_, _| 2e-4), &Response::Photopic, &horizon, &options).unwrap()
+            picture_with(&bodies, None, &grey_sky(|_, _| 2e-4), &Response::Photopic, &horizon, &options)
+                .unwrap()
         };
         let none = picture_with(
             &SkyBodies::default(),
+            None,
             &grey_sky(|_, _| 2e-4),
             &Response::Photopic,
             &horizon,

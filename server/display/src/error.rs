@@ -27,6 +27,9 @@ pub enum DisplayError {
         /// The upper end given.
         maximum: f64,
     },
+    /// Ground in light in a picture of false colours.
+    #[error("ground in light has the colours of eye and camera; in false colours it stays dark")]
+    LitInFalseColour,
     /// A response that the sky at hand was not made for: a defect of this program, not of the request.
     #[error("the sky was not made for the response {response}")]
     NotSeen {

@@ -22,6 +22,7 @@ pub mod false_colour;
 mod fixtures;
 pub mod ground;
 pub mod legend;
+mod lit;
 pub mod notes;
 pub mod options;
 mod painter;
@@ -40,7 +41,7 @@ pub use encode::{LogPlane, PointTable, encode_exr, encode_png, encode_sky, encod
 pub use error::DisplayError;
 pub use false_colour::{ColourRange, Scale};
 pub use notes::Notes;
-pub use options::{PictureOptions, Projection, Sky, Style};
+pub use options::{GroundStyle, PictureOptions, Projection, Sky, Style};
 pub use picture::{picture, picture_with};
 pub use raster::{FloatRaster, raster};
 pub use sampler::Sampler;

@@ -126,6 +126,30 @@ impl Default for Style {
     }
 }
 
+/// What ground below the horizon looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum GroundStyle {
+    /// A silhouette.
+    #[default]
+    Dark,
+    /// As the sky, Moon and lamps light it.
+    Lit,
+    /// The same under snow.
+    Snow,
+}
+
+impl GroundStyle {
+    /// Share of light that it reflects; None for a silhouette. That of bare and green land is the one that lamps' light has to the
+    /// sky; that of snow is of an old cover (Warren 1982).
+    pub const fn albedo(self) -> Option<f64> {
+        match self {
+            GroundStyle::Dark => None,
+            GroundStyle::Lit => Some(0.15),
+            GroundStyle::Snow => Some(0.75),
+        }
+    }
+}
+
 /// Everything that decides a picture's pixels, given the panorama.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PictureOptions {
@@ -141,6 +165,8 @@ pub struct PictureOptions {
     pub legend: bool,
     /// Which light is shown.
     pub sky: Sky,
+    /// What the ground looks like.
+    pub ground: GroundStyle,
     /// Whether the light is made up: the legend then says so.
     pub illustrative: bool,
 }
@@ -156,6 +182,7 @@ impl PictureOptions {
             height_px,
             legend: true,
             sky: Sky::default(),
+            ground: GroundStyle::default(),
             illustrative: false,
         }
     }
@@ -168,6 +195,9 @@ impl PictureOptions {
         check_size(self.width_px, self.height_px)?;
         self.projection.check()?;
         match self.style {
+            Style::FalseColour { .. } if self.ground != GroundStyle::Dark => {
+                Err(DisplayError::LitInFalseColour)
+            }
             Style::FalseColour { range, .. } => range.check(),
             Style::Realistic { exposure_ev } | Style::Eye { exposure_ev } => {
                 check("exposure", exposure_ev, EXPOSURE_RANGE_EV.0, EXPOSURE_RANGE_EV.1, " EV")

@@ -111,6 +111,15 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// The colour of light; None in false colours.
+    pub(crate) fn rgb_of(&self, light: &Seen) -> Option<[u8; 3]> {
+        match self {
+            Painter::FalseColour { .. } => None,
+            Painter::Eye { eye, .. } => Some(eye.encoded(eye.linear(*light))),
+            Painter::Realistic { tone_map, .. } => Some(tone_map.rgb([light[0], light[1], light[2]])),
+        }
+    }
+
     /// Luminance of the sky in a direction, cd m⁻², that stars are seen on; None below the horizon, and in false colours, which show
     /// no stars.
     pub(crate) fn background_cd_m2(&self, direction: Direction) -> Option<f64> {

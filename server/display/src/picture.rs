@@ -7,6 +7,7 @@ use crate::{
     eye::Seen,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
+    lit::LitPicture,
     options::{PictureOptions, Projection},
     painter::Painter,
     panels::{Columns, Row},
@@ -14,7 +15,7 @@ use crate::{
 };
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
-use skyglow_physics::{Horizon, Response, SeenSky};
+use skyglow_physics::{Direction, Horizon, LitGround, Response, SeenSky};
 
 /// What is neither sky nor ground that hides it: below an open horizon, the corners of a fisheye, the legend's strip.
 pub const GROUND_RGB: [u8; 3] = [22, 24, 29];
@@ -31,15 +32,16 @@ pub fn picture(
     horizon: &Horizon,
     options: &PictureOptions,
 ) -> Result<RgbImage, DisplayError> {
-    picture_with(&SkyBodies::default(), seen, response, horizon, options)
+    picture_with(&SkyBodies::default(), None, seen, response, horizon, options)
 }
 
-/// [`picture`] with stars, planets, Moon and Sun before the sky, in the styles of the eye and the camera.
+/// [`picture`] with stars, planets, Moon and Sun before the sky, and ground in light, in the styles of the eye and the camera.
 ///
 /// # Errors
 /// [`DisplayError`] naming the first option out of its range.
 pub fn picture_with(
     bodies: &SkyBodies,
+    ground_light: Option<&LitGround>,
     seen: &SeenSky,
     response: &Response,
     horizon: &Horizon,
@@ -99,10 +101,11 @@ pub fn picture_with(
         let size_px = (options.width_px, options.height_px);
         let background = |direction| painter.background_cd_m2(direction);
         let bodies = BodyRows::new(bodies, &view, size_px, horizon, background);
-        let row_of = |y: usize| bodies.row(y);
-        paint_each(&mut canvas, (offset_px, options), &view, &painter, row_of, &mut ground, &mut beyond);
+        let lit = ground_light.map(|light| LitPicture::new(light, &view, size_px));
+        let before = Before { bodies: &bodies, lit: lit.as_ref() };
+        paint_each(&mut canvas, (offset_px, options), &view, &painter, &before, &mut ground, &mut beyond);
     }
-    if painter.has_skyline() {
+    if painter.has_skyline() && ground_light.is_none() {
         ground.draw_skyline(&mut canvas, offset_px);
     }
     if options.legend {
@@ -112,13 +115,19 @@ pub fn picture_with(
     Ok(canvas)
 }
 
+/// What stands before the sky.
+struct Before<'a> {
+    bodies: &'a BodyRows,
+    lit: Option<&'a LitPicture<'a>>,
+}
+
 /// Every pixel by its own direction, rows in parallel.
-fn paint_each<'b>(
+fn paint_each(
     canvas: &mut RgbImage,
     (offset_px, options): (u32, &PictureOptions),
     view: &View,
     painter: &Painter<'_>,
-    bodies: impl Fn(usize) -> &'b [(u32, Seen)] + Sync,
+    before: &Before<'_>,
     ground: &mut GroundMap<'_>,
     beyond: &mut Beyond,
 ) {
@@ -127,17 +136,21 @@ fn paint_each<'b>(
     let paint_row = |(y, row): (usize, &mut [u8])| {
         let (mut all_shown, mut beyond) = (Vec::new(), Beyond::default());
         let (pixels, _) = row[3 * offset_px as usize..].as_chunks_mut::<3>();
-        let mut before = bodies(y).iter().peekable();
+        let mut bodies = before.bodies.row(y).iter().peekable();
         for (x, pixel) in (0..options.width_px).zip(pixels) {
             let direction = view.direction_at(f64::from(x) + 0.5, y as f64 + 0.5);
             let shown = known.shown(direction);
             all_shown.extend(shown);
-            let body = before.next_if(|(column, _)| *column == x);
+            let body = bodies.next_if(|(column, _)| *column == x).map(|(_, light)| light);
+            if let Some(lit) = before.lit {
+                let rgb = direction.and_then(|of| lit_rgb(lit, painter, of, (x, y), body, &mut beyond));
+                *pixel = rgb.unwrap_or(*pixel);
+                continue;
+            }
             if shown == Some(Shown::Ground) {
                 *pixel = painter.terrain_rgb();
                 continue;
             }
-            let body = body.map(|(_, light)| light);
             let rgb = direction.and_then(|direction| painter.rgb(direction, body, &mut beyond));
             *pixel = rgb.unwrap_or(*pixel);
         }
@@ -156,6 +169,28 @@ fn paint_each<'b>(
         beyond.below |= in_row.below;
         beyond.above |= in_row.above;
     }
+}
+
+/// A pixel of a picture with ground in light, which reaches up to the sky: between it and the horizontal plane the sky goes on.
+fn lit_rgb(
+    lit: &LitPicture<'_>,
+    painter: &Painter<'_>,
+    direction: Direction,
+    (x, y): (u32, usize),
+    body: Option<&Seen>,
+    beyond: &mut Beyond,
+) -> Option<[u8; 3]> {
+    let lamps = lit.lamps(x, y);
+    let with_lamps = |light: &Seen| match lamps {
+        Some(lamps) => std::array::from_fn(|i| light[i] + lamps[i]),
+        None => *light,
+    };
+    if let Some(ground) = lit.ground(direction) {
+        return painter.rgb_of(&with_lamps(&ground));
+    }
+    let above = Direction { elevation_rad: direction.elevation_rad.max(0.0), ..direction };
+    let before = with_lamps(body.unwrap_or(&[0.0; 4]));
+    painter.rgb(above, (before != [0.0; 4]).then_some(&before), beyond)
 }
 
 /// Width and height of the whole picture, legend included, pixels.
@@ -241,7 +276,7 @@ mod tests {
                 (0, &options),
                 &view,
                 &painter,
-                |_| &[],
+                &Before { bodies: &BodyRows::default(), lit: None },
                 &mut ground,
                 &mut Beyond::default(),
             );

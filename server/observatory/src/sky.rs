@@ -4,7 +4,7 @@ use crate::night_sky::{NightSky, SkyTime};
 use serde::Serialize;
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Emission, EvenSky, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Panorama,
-    Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Turbidity,
+    Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Slope, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -92,6 +92,8 @@ pub struct RenderContext {
     pub basis_error_bound: Option<f64>,
     /// The dark reference as it is seen there.
     pub dark: EvenSky,
+    /// How the ground lies there; level where terrain is unknown or does not count.
+    pub slope: Slope,
     /// Lamps that changes replace around here where there are none of them by then.
     pub lamps_not_met: Vec<LampPreset>,
 }
@@ -133,9 +135,10 @@ impl RenderedSky {
     ) -> Self {
         parts.iter_mut().for_each(|part| horizon.darken(&mut part.kernel));
         let seen = SeenSky::of(&parts, &responses_of(request));
+        let beams = night.as_ref().map(|night| night.beams(context.slope)).unwrap_or_default();
         let natural = match &night {
             _ if request.cloud_base_m.is_some() => NaturalSky::Hidden,
-            Some(night) => night.as_natural_sky(),
+            Some(night) => night.as_natural_sky(&beams),
             None => NaturalSky::Dark,
         };
         let numbers = SkyNumbers {
@@ -144,6 +147,7 @@ impl RenderedSky {
             horizon: &horizon,
             response: &request.response,
             dark: &context.dark,
+            slope: context.slope,
         };
         let quantities = SkyQuantities::with(natural, numbers);
         let response = request.response.clone();
@@ -158,8 +162,9 @@ impl RenderedSky {
             horizon: &self.horizon,
             response: &self.response,
             dark: &self.context.dark,
+            slope: self.context.slope,
         };
-        SkyQuantities::with(night.as_natural_sky(), numbers)
+        SkyQuantities::with(night.as_natural_sky(&night.beams(self.context.slope)), numbers)
     }
 
     /// What the response of the request sees, `[row][column]`, in its unit.

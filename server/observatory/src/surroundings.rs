@@ -6,7 +6,9 @@ use crate::{
     scene_view::SceneView,
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
-use skyglow_physics::{Atmosphere, BAND_COUNT, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyPart};
+use skyglow_physics::{
+    Atmosphere, BAND_COUNT, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyPart, Slope,
+};
 use skyglow_render::{
     PassTime,
     celestial::CelestialTables,
@@ -31,6 +33,7 @@ pub(crate) struct Surroundings {
     /// Metres above sea level, at least 0.
     pub(crate) altitude_m: f64,
     calibration: f64,
+    slope: Slope,
     /// None where nothing hides, and nothing is computed for it.
     pub(crate) horizon: Option<(Horizon, Duration)>,
 }
@@ -60,7 +63,8 @@ impl Surroundings {
             let start = Instant::now();
             (scene.horizon(place, altitude_m), start.elapsed())
         });
-        Self { lights, ground, altitude_m, calibration: scene.metadata().calibration, horizon }
+        let slope = if horizon.is_some() { scene.slope(place) } else { Slope::default() };
+        Self { lights, ground, altitude_m, calibration: scene.metadata().calibration, slope, horizon }
     }
 
     /// Lamps that changes replace around here where there are none of them by then, each once.
@@ -88,6 +92,7 @@ impl Surroundings {
             basis_count,
             basis_error_bound,
             dark: dark_sky(tables, request.turbidity, self.altitude_m),
+            slope: self.slope,
             lamps_not_met: self.lamps_not_met(&request.lamp),
         }
     }

@@ -7,6 +7,7 @@
 //! It holds the reference solution: every fast path is measured against [`direct_sum`] and
 //! [`multiple_scattering::MultipleSum`].
 
+pub mod aerial_perspective;
 pub mod atmosphere;
 pub mod bands;
 pub mod beam;
@@ -26,6 +27,7 @@ pub mod hidden_sum;
 pub mod horizon;
 pub mod interpolation;
 pub mod lamp;
+pub mod lit_ground;
 pub mod mesopic;
 pub mod multiple_scattering;
 pub mod natural_sky;
@@ -39,11 +41,13 @@ pub mod seen_sky;
 pub mod simd;
 pub mod single_source;
 pub mod sky_curve;
+pub mod sky_harmonics;
 pub mod sky_measure;
 pub mod sky_quantities;
 mod sky_sums;
 pub mod source_pixel;
 pub mod spectrum;
+pub mod surfaces;
 
 pub use atmosphere::{Atmosphere, Turbidity};
 pub use bands::{BAND_COUNT, Band};
@@ -56,6 +60,7 @@ pub use fixture::{Fixture, LampChange, PreservedFlux};
 pub use geometry::{EARTH_RADIUS_M, GeoPoint};
 pub use horizon::Horizon;
 pub use lamp::{Lamp, LampKind};
+pub use lit_ground::{LitGround, LitLine, SeenLight};
 pub use natural_sky::{EvenSky, NaturalSky, NodeLight};
 pub use panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama};
 pub use seen_sky::{SeenSky, SkyPart};
@@ -64,3 +69,4 @@ pub use sky_measure::LinearMeasure;
 pub use sky_quantities::{SKY_RESPONSES, SkyNumbers, SkyQuantities};
 pub use source_pixel::{PointSource, SourcePixel};
 pub use spectrum::{LampPreset, Response};
+pub use surfaces::{BeamSums, Slope, Surfaces};

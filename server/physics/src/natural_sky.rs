@@ -7,6 +7,7 @@ use crate::{
     seen_sky::{SeenSky, SkyPart},
     sky_sums::{Sums, mean_kernels, value_of, visible_columns},
     spectrum::{Colour, Light, NODE_COUNT, Response},
+    surfaces::{BeamSums, Slope, SurfaceSums},
 };
 use std::{f64::consts::PI, sync::Arc};
 
@@ -112,8 +113,8 @@ pub enum NaturalSky<'a> {
         seen: &'a SeenSky,
         /// Means over the meter's field of what comes straight from points of light.
         points: &'a [NodeLight],
-        /// Irradiance of a horizontal surface by what comes straight from them.
-        straight_down: &'a [NodeLight],
+        /// What comes straight from them to surfaces.
+        beams: &'a [BeamSums],
     },
 }
 
@@ -155,9 +156,27 @@ impl NaturalSky<'_> {
         match self {
             Self::Hidden => 0.0,
             Self::Dark => visible_projected_sr * dark.value(response),
-            Self::OfInstant { seen, straight_down, .. } => {
+            Self::OfInstant { seen, beams, .. } => {
                 Sums::of(seen.seen_by(response).unwrap_or_default(), horizon).horizontal
-                    + NodeLight::value(straight_down, response)
+                    + beams.iter().map(|beams| beams.horizontal(response)).sum::<f64>()
+            }
+        }
+    }
+
+    /// What surfaces receive of it, as a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees it; None where nothing comes.
+    pub(crate) fn surface_sums(
+        self,
+        dark: &EvenSky,
+        response: &Response,
+        horizon: &Horizon,
+        slope: Slope,
+    ) -> Option<SurfaceSums> {
+        match self {
+            Self::Hidden => None,
+            Self::Dark => Some(SurfaceSums::of_even(dark.value(response), horizon, slope)),
+            Self::OfInstant { seen, beams, .. } => {
+                let plane = seen.seen_by(response).unwrap_or_default();
+                Some(SurfaceSums::of_plane(plane, slope).plus_beams(beams, response))
             }
         }
     }

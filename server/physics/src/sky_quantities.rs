@@ -3,12 +3,13 @@
 use crate::{
     horizon::Horizon,
     natural_sky::{EvenSky, meter_weight},
-    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, solid_angle_sr},
+    panorama::{azimuth_rad, elevation_rad},
     photometry::{bortle_class, brightness_mag_arcsec2, naked_eye_limit_mag},
     response_quantities::{ResponseQuantities, ZenithValue},
     seen_sky::{SeenSky, SkyPart},
     sky_sums::{Sums, in_zenith_cap, mean_kernels, value_of, weighted_mean},
     spectrum::{Colour, RGB_BANDS, Response},
+    surfaces::{Slope, SurfaceLight, SurfaceSums, Surfaces},
 };
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +67,8 @@ pub struct SkyQuantities {
     pub zenith_by_response: Vec<ZenithValue>,
     /// The sky as the response that was asked for sees it; null for the photopic one, which all luminances above are of.
     pub seen: Option<ResponseQuantities>,
+    /// What surfaces receive of the visible sky: level, sloping and upright ones.
+    pub surfaces: Surfaces,
 }
 
 /// Responses that the numbers and pictures of every sky need: X, Y, Z and what the dark-adapted eye sees.
@@ -85,6 +88,26 @@ pub struct SkyNumbers<'a> {
     pub response: &'a Response,
     /// The dark reference, which Bortle's classes count from.
     pub dark: &'a EvenSky,
+    /// How the ground lies.
+    pub slope: Slope,
+}
+
+impl SkyNumbers<'_> {
+    /// What surfaces receive, as the eye by day and in the dark sees it, and the response that was asked for.
+    fn surfaces(&self, natural: NaturalSky<'_>) -> Surfaces {
+        let light = |response: &Response| {
+            let plane = self.seen.seen_by(response).unwrap_or_default();
+            let artificial = SurfaceSums::of_plane(plane, self.slope);
+            let natural = natural.surface_sums(self.dark, response, self.horizon, self.slope);
+            let total = natural.map_or_else(|| artificial.clone(), |natural| natural.plus(&artificial));
+            SurfaceLight::new(response, &artificial, &total)
+        };
+        let mut responses = vec![&Response::Photopic, &Response::Scotopic];
+        if !responses.contains(&self.response) {
+            responses.push(self.response);
+        }
+        Surfaces::new(self.slope, responses.into_iter().map(light).collect())
+    }
 }
 
 impl SkyPart {
@@ -97,20 +120,6 @@ impl SkyPart {
             value_of(parts, &mean_kernels(parts, horizon, everywhere), response),
         ]
     }
-}
-
-/// Illuminance [lx] on a vertical surface facing `facing_azimuth_rad`: ∫ L max(0, n·v) dΩ over the sky, `[row][column]`, cd m⁻².
-pub fn vertical_illuminance_lx(luminance_cd_m2: &[f32], facing_azimuth_rad: f64) -> f64 {
-    let facing = Direction { azimuth_rad: facing_azimuth_rad, elevation_rad: 0.0 }.enu();
-    let mut sum = 0.0;
-    for row in 0..ELEVATION_COUNT {
-        for column in 0..AZIMUTH_COUNT {
-            let v = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) }.enu();
-            let luminance = luminance_cd_m2.get(row * AZIMUTH_COUNT + column).copied().unwrap_or_default();
-            sum += f64::from(luminance) * v.dot(facing).max(0.0) * solid_angle_sr(row);
-        }
-    }
-    sum
 }
 
 impl SkyQuantities {
@@ -130,7 +139,7 @@ impl SkyQuantities {
 
     /// All but quantities of stars.
     fn without_stars(natural_sky: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
-        let SkyNumbers { parts, seen, horizon, response, dark } = sky;
+        let SkyNumbers { parts, seen, horizon, response, dark, .. } = sky;
         let natural_of = |of: &Response| natural_sky.mean(dark, of, horizon, in_zenith_cap);
         let plane = |of: &Response| seen.seen_by(of).unwrap_or_default();
         let photopic = Sums::of(plane(&Response::Photopic), horizon);
@@ -176,6 +185,7 @@ impl SkyQuantities {
                 let horizontal = natural_sky.horizontal(dark, response, horizon, sums.visible_projected_sr);
                 ResponseQuantities::new(response, &sums, natural_of(response), horizontal)
             }),
+            surfaces: sky.surfaces(natural_sky),
         }
     }
 }
@@ -187,7 +197,14 @@ pub(crate) fn quantities_over(parts: &[SkyPart], horizon: &Horizon) -> SkyQuanti
     let dark = &crate::natural_sky::even_sky(crate::photometry::luminance_from_brightness_cd_m2(22.0), 0.1);
     SkyQuantities::with(
         NaturalSky::Dark,
-        SkyNumbers { parts, seen: &seen, horizon, response: &Response::Photopic, dark },
+        SkyNumbers {
+            parts,
+            seen: &seen,
+            horizon,
+            response: &Response::Photopic,
+            dark,
+            slope: Slope::default(),
+        },
     )
 }
 
@@ -203,7 +220,9 @@ mod tests {
     use crate::{
         Panorama,
         natural_sky::{NodeLight, even_sky},
+        panorama::Direction,
         spectrum::{LampPreset, NODE_COUNT},
+        surfaces::BeamSums,
     };
     use std::{f64::consts::PI, sync::Arc};
 
@@ -220,9 +239,15 @@ mod tests {
         let (parts, luminance) = (uniform(1e-3), 1e-3);
         let quantities = quantities_over(&parts, &Horizon::flat());
         assert!((quantities.horizontal_illuminance_lx / (PI * luminance) - 1.0).abs() < 1e-6);
-        let seen = SeenSky::of(&parts, &SKY_RESPONSES);
-        let on_wall = vertical_illuminance_lx(seen.plane(1), 0.3);
-        assert!((on_wall / (PI * luminance / 2.0) - 1.0).abs() < 1e-3);
+        let [photopic, scotopic] = &quantities.surfaces.by_response[..] else { panic!("two responses") };
+        assert_eq!((photopic.response.as_str(), scotopic.response.as_str()), ("photopic", "scotopic"));
+        let on_ground = photopic.artificial.horizontal / quantities.horizontal_illuminance_lx;
+        assert!((on_ground - 1.0).abs() < 1e-9, "{on_ground}");
+        assert!((photopic.artificial.vertical_east / (PI * luminance / 2.0) - 1.0).abs() < 1e-3);
+        let dark_lx = photopic.total.horizontal - photopic.artificial.horizontal;
+        assert!(
+            (dark_lx / (PI * crate::photometry::luminance_from_brightness_cd_m2(22.0)) - 1.0).abs() < 1e-3
+        );
         for value in [
             quantities.zenith_luminance_cd_m2,
             quantities.mean_luminance_cd_m2,
@@ -276,7 +301,11 @@ mod tests {
             let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
             let seen = SeenSky::of(parts, &responses);
             let response = &Response::Melanopic;
-            SkyQuantities::with(natural, SkyNumbers { parts, seen: &seen, horizon: &open, response, dark })
+            let slope = Slope::default();
+            SkyQuantities::with(
+                natural,
+                SkyNumbers { parts, seen: &seen, horizon: &open, response, dark, slope },
+            )
         };
         let (clear, cloudy) = (under(NaturalSky::Dark, &parts), under(NaturalSky::Hidden, &parts));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
@@ -299,12 +328,12 @@ mod tests {
         let [seen, natural_seen] = [&parts, &natural].map(|parts| SeenSky::of(parts, &responses));
         let open = Horizon::flat();
         let (response, dark) = (&Response::Melanopic, &even_sky(1.7e-4, 0.0));
-        let numbers = SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response, dark };
-        let sky =
-            NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[], straight_down: &[] };
+        let slope = Slope { steepness_rad: 0.4, downhill_azimuth_rad: 1.0 };
+        let numbers = SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response, dark, slope };
+        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[], beams: &[] };
         let found = SkyQuantities::with(sky, numbers);
         let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
-        let seen = found.seen.unwrap();
+        let seen = found.seen.as_ref().unwrap();
         for (total, value) in [
             (found.zenith_total_luminance_cd_m2, found.zenith_luminance_cd_m2),
             (found.horizontal_total_illuminance_lx, found.horizontal_illuminance_lx),
@@ -321,9 +350,10 @@ mod tests {
         // Stars in its field make the meter's reading brighter, and nothing else.
         let light = Arc::clone(&natural[0].light);
         let kernel = uniform_kernel(&light, 1e-4);
-        let points = &[NodeLight { light, kernel: [kernel; NODE_COUNT] }];
-        let starry =
-            NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points, straight_down: points };
+        let points = &[NodeLight { light: Arc::clone(&light), kernel: [kernel; NODE_COUNT] }];
+        let zenith = Direction { azimuth_rad: 0.0, elevation_rad: PI / 2.0 };
+        let beams = &[BeamSums::new(light, slope, [(zenith, [kernel; NODE_COUNT])].into_iter())];
+        let starry = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points, beams };
         let with_stars = SkyQuantities::with(starry, numbers);
         let brighter = found.sqm_total_brightness_mag_arcsec2.unwrap()
             - with_stars.sqm_total_brightness_mag_arcsec2.unwrap();
@@ -332,6 +362,12 @@ mod tests {
         // The ground has their light too.
         let more_lx = with_stars.horizontal_total_illuminance_lx - found.horizontal_total_illuminance_lx;
         assert!((more_lx / 1e-4 - 1.0).abs() < 1e-5, "{more_lx}");
+        let on_slope = |of: &SkyQuantities| of.surfaces.by_response[0].total.slope;
+        let more_lx = on_slope(&with_stars) - on_slope(&found);
+        assert!((more_lx / (1e-4 * 0.4f64.cos()) - 1.0).abs() < 1e-5, "{more_lx}");
+        let lit = &with_stars.surfaces.by_response[0];
+        assert!((lit.total.horizontal / with_stars.horizontal_total_illuminance_lx - 1.0).abs() < 1e-9);
+        assert_eq!(with_stars.surfaces.by_response[2].response, "melanopic");
     }
 
     #[test]

@@ -84,3 +84,4 @@ pub use scene::{Scene, SumWay};
 pub use scene_id::SceneId;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
 pub use store::{SceneList, SceneStore, UploadFolder};
+pub use terrain::{GroundLine, SeenGround};

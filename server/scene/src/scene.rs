@@ -20,11 +20,11 @@ use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::morton;
 use crate::place_kernel::PlaceKernel;
 use crate::polar_grid::PolarGrid;
-use crate::terrain::Terrain;
+use crate::terrain::{GroundLine, Terrain};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
-use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, SourcePixel};
+use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, Slope, SourcePixel};
 use std::sync::Arc;
 
 /// Numbers of what convolutions store begin here, and those of patches of what skylines take, so that they are none of the dual
@@ -81,6 +81,11 @@ impl Scene {
         self.terrain.elevation_m(place).map(|elevation_m| elevation_m.max(0.0))
     }
 
+    /// How the ground lies at a place, over two samples of the terrain each way; level where the terrain has a gap.
+    pub fn slope(&self, place: GeoPoint) -> Slope {
+        self.terrain.slope(place)
+    }
+
     /// The elevation of the ground against the sky, seen by an eye at an altitude over a place: from the scene's
     /// terrain with the Earth's curvature, without refraction, out to where no ground of the scene can matter.
     /// Below the ground counts as on it. Where there is no terrain nothing hides the sky.
@@ -94,6 +99,21 @@ impl Scene {
             return Horizon::flat();
         }
         self.terrain.horizon(place, eye_altitude_m.max(self.ground(place).altitude_m()))
+    }
+
+    /// Ground seen by an eye over a place, along azimuths: the first, radians clockwise from north, the step between them, and how many.
+    ///
+    /// * `eye_altitude_m`: metres above sea level; below the ground counts as on it.
+    ///
+    /// Takes about a tenth of a second of two cores for a thousand azimuths.
+    pub fn visible_ground(
+        &self,
+        place: GeoPoint,
+        eye_altitude_m: f64,
+        azimuths: (f64, f64, usize),
+    ) -> Vec<GroundLine> {
+        let eye_altitude_m = eye_altitude_m.max(self.ground(place).altitude_m());
+        self.terrain.visible_ground(place, eye_altitude_m, azimuths)
     }
 
     /// The blocking angle of a light towards a place, radians, 0..=π/2: the highest elevation of the terrain between
@@ -257,6 +277,11 @@ impl Scene {
     /// Column and row of the pixel at a place; `None` off the raster.
     pub fn column_and_row_at(&self, place: GeoPoint) -> Option<(u32, u32)> {
         self.grid.pixel_at(place)
+    }
+
+    /// Columns and rows from the raster's corner to a place, in parts of pixels; `None` off the raster.
+    pub fn position_at(&self, place: GeoPoint) -> Option<(f64, f64)> {
+        self.grid.position_of(place)
     }
 
     /// All light of a pixel: radiance, nW cm⁻² sr⁻¹, without the calibration, and upward flux, DNB watts, with it.

@@ -4,7 +4,7 @@ use super::sky::read_light;
 use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use serde::Serialize;
 use skyglow_display::options::MAX_PICTURE_PX;
-use skyglow_display::{Colormap, ColourRange, PictureOptions, Projection, Scale, Sky, Style};
+use skyglow_display::{Colormap, ColourRange, GroundStyle, PictureOptions, Projection, Scale, Sky, Style};
 use skyglow_physics::Response;
 
 /// How a panorama is to be shown.
@@ -19,6 +19,7 @@ pub struct PictureRequest {
 pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequest {
     let projection = read_projection(reader);
     let style = read_style(reader, response);
+    let ground = read_ground(reader, style);
     let sky = match (style, reader.text(&p::SKY)) {
         (Style::Eye { .. }, None) => Sky::Total,
         _ => read_light(reader),
@@ -36,10 +37,23 @@ pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequ
             height_px: picture_size_px.1,
             legend,
             sky,
+            ground,
             illustrative: false,
         },
         raster_size_px: sized(projection.default_raster_size_px()),
     }
+}
+
+fn read_ground(reader: &mut Reader, style: Style) -> GroundStyle {
+    let ground = match reader.choice(&p::GROUND) {
+        Some("lit") => GroundStyle::Lit,
+        Some("snow") => GroundStyle::Snow,
+        _ => GroundStyle::Dark,
+    };
+    if ground != GroundStyle::Dark && matches!(style, Style::FalseColour { .. }) {
+        only_with(reader, &[&p::GROUND], "style=realistic or style=eye");
+    }
+    ground
 }
 
 /// Notes a picture of more pixels than one may ask for, though each side is in its range.

@@ -4,7 +4,7 @@ use crate::{
     failure::Failure,
     flags::ProgramFlags,
     query::{self, QueryFlags},
-    render,
+    render::{self, Rendered},
 };
 use clap::Args;
 use skyglow_app::{accept::Format, drawing::draw, parameters::PanoramaParameters, request};
@@ -59,12 +59,14 @@ impl Panorama {
         read(&self.program.facts())?;
         let source = self.program.source()?;
         let (request, picture) = read(source.facts())?;
-        let (assumptions, sky) = render::rendered(source.as_ref(), request)?;
+        let Rendered { request, view, assumptions, sky } =
+            render::rendered_of_scene(source.as_ref(), request)?;
         // A picture cannot say it.
         for warning in &assumptions.warnings {
             tracing::warn!("{warning}");
         }
-        let bytes = draw(assumptions, &sky, &picture, self.output.format).map_err(Failure::work)?;
+        let bytes = draw(assumptions, (&request, &view), &sky, &picture, self.output.format)
+            .map_err(Failure::work)?;
         let path = &self.output.path;
         std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
     }

@@ -20,7 +20,7 @@ use skyglow_display::Sky;
 use skyglow_observatory::{RenderContext, RenderedSky, SkyRequest, night_sky::dark_sky};
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BlockedSource, CloudBase, ELEVATION_COUNT, Fixture, Horizon,
-    Response, SkyPart, SourcePixel,
+    Response, SkyPart, Slope, SourcePixel,
     direct_sum::{GridSample, cut_direct_sum, grid_direction, panorama_between, stratified_samples},
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
     source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources},
@@ -162,6 +162,7 @@ impl Reference {
             basis_error_bound: None,
             dark: dark_sky(None, request.turbidity, altitude_m),
             lamps_not_met: Vec::new(),
+            slope: if request.terrain_hides { scene.slope(request.place) } else { Slope::default() },
         };
         let sky = RenderedSky::new(&request, parts.collect(), horizon, context);
         // Skylines come from the terrain itself, also where the scene was stored without them.

@@ -15,7 +15,10 @@ use skyglow_app::{
     request,
 };
 use skyglow_celestial::answers::BodyPlace;
-use skyglow_physics::{Band, EmissionKeep, SkyQuantities};
+use skyglow_physics::{
+    Band, EmissionKeep, SkyQuantities,
+    surfaces::{SurfaceLight, Surfaces},
+};
 use skyglow_scene::SceneId;
 
 /// Compute the numbers of the sky at a place
@@ -77,6 +80,8 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         row("Bortle class", or_clouds(sky.bortle_class.map(|class| class.to_string()))),
         row("faintest star", or_clouds(sky.naked_eye_limit_mag.map(|limit| format!("{limit:.2} mag")))),
         row("horizontal", format!("{:.4e} lx", sky.horizontal_illuminance_lx)),
+        row("walls", on_walls(&sky.surfaces)),
+        row("sloping ground", on_slope(&sky.surfaces)),
         row("all-sky mean", format!("{:.4e} cd m-2", sky.mean_luminance_cd_m2)),
         row(
             "brightest",
@@ -107,6 +112,26 @@ fn rows(assumptions: &Assumptions, sky: &SkyQuantities) -> Vec<Vec<String>> {
         rows.push(row("note", "an illustrative scene: made-up light, not a measurement".to_owned()));
     }
     rows
+}
+
+/// What walls receive of artificial light.
+fn on_walls(surfaces: &Surfaces) -> String {
+    let light = |SurfaceLight { artificial, unit, .. }: &SurfaceLight| {
+        let (largest, facing_deg) = (artificial.vertical_largest, artificial.vertical_largest_azimuth_deg);
+        let mean = artificial.cylindrical;
+        format!("{largest:.4e} {unit} at most, facing {facing_deg:.0} degrees; {mean:.4e} in the mean")
+    };
+    surfaces.by_response.first().map_or_else(String::new, light)
+}
+
+/// What the ground receives of artificial light as it slopes.
+fn on_slope(surfaces: &Surfaces) -> String {
+    let lies = surfaces.downhill_azimuth_deg.map_or_else(
+        || "level".to_owned(),
+        |downhill_deg| format!("{:.1} degrees steep, falling towards {downhill_deg:.0}", surfaces.slope_deg),
+    );
+    let light = |light: &SurfaceLight| format!("{:.4e} {}, {lies}", light.artificial.slope, light.unit);
+    surfaces.by_response.first().map_or_else(String::new, light)
 }
 
 /// What the natural sky of a time is made of.

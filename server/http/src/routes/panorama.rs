@@ -23,6 +23,8 @@ use skyglow_app::{
     request::{PictureRequest, panorama, scene_id},
     source::SkySource,
 };
+use skyglow_display::GroundStyle;
+use std::sync::Arc;
 
 /// The sky in the format that the Accept header prefers: a picture, a raster, or JSON as `panorama.json` has it; PNG if it takes
 /// anything. Parameters that mean nothing for that format are errors.
@@ -107,6 +109,8 @@ formats! {
 const BYTES_PER_PICTURE_PIXEL: usize = 40;
 const BYTES_PER_RASTER_PIXEL: usize = 13;
 const BASE_BYTES: usize = 8 << 20;
+/// Bytes of ground in light, about: elevations by azimuth and distance, and what is seen of them.
+const GROUND_BYTES: usize = 192 << 20;
 
 fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
     let ((width_px, height_px), bytes) = match format {
@@ -116,7 +120,9 @@ fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
         Format::Exr | Format::Tiff => (picture.raster_size_px, BYTES_PER_RASTER_PIXEL),
         Format::Json | Format::Sky => ((0, 0), 0),
     };
-    BASE_BYTES + bytes * width_px as usize * height_px as usize
+    let is_lit = picture.options.ground != GroundStyle::Dark;
+    let ground = if is_lit { GROUND_BYTES } else { 0 };
+    BASE_BYTES + ground + bytes * width_px as usize * height_px as usize
 }
 
 async fn answer(
@@ -140,8 +146,9 @@ async fn answer(
         let warnings = assumptions.warnings.clone();
         let times = times_of(&rendered);
         let bytes = drawing_bytes(&picture, format);
+        let (request, view) = (Arc::clone(&prepared.request), prepared.view.clone());
         let draw = move |_: &dyn SkySource| {
-            draw(assumptions, &rendered, &picture, format).map_err(ApiError::internal)
+            draw(assumptions, (&request, &view), &rendered, &picture, format).map_err(ApiError::internal)
         };
         Ok(EncodedAnswer { bytes: state.work.drawn(bytes, draw).await?, warnings, times })
     };

@@ -16,7 +16,7 @@ use skyglow_observatory::{
 };
 use skyglow_physics::{
     AZIMUTH_COUNT, Atmosphere, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Panorama, SeenSky, SkyPart,
-    spectrum::RGB_BANDS,
+    Slope, spectrum::RGB_BANDS,
 };
 use skyglow_render::{EngineStats, PassTime};
 use skyglow_scene::{
@@ -230,6 +230,7 @@ impl Fake {
             basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
             dark: dark_sky(None, request.turbidity, altitude_m),
             lamps_not_met: Vec::new(),
+            slope: Slope::default(),
         };
         let parts = vec![SkyPart { light: Arc::clone(request.lamp.light()), kernel: panorama }];
         Ok(RenderedSky {

@@ -17,8 +17,8 @@ use serde::Serialize;
 use skipping::Skipping;
 use skyglow_celestial::{Component, Heavens, Instant, IrradianceGrid, PointLight, Site};
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Direction, ELEVATION_COUNT, GeoPoint, Horizon, NaturalSky, NodeLight,
-    Panorama, Response, SeenSky, SkyPart, Turbidity,
+    AZIMUTH_COUNT, BAND_COUNT, BeamSums, Direction, ELEVATION_COUNT, GeoPoint, Horizon, NaturalSky,
+    NodeLight, Panorama, Response, SeenSky, SkyPart, Slope, Turbidity,
     beam::apparent_altitude_rad,
     natural_sky::meter_mean_of_points,
     panorama::{azimuth_rad, elevation_rad},
@@ -76,8 +76,6 @@ pub struct NightSky {
     points: [Vec<ThroughAir>; Component::ALL.len()],
     /// Means of the points' light over the field of a Sky Quality Meter at the zenith.
     in_meter: Vec<NodeLight>,
-    /// Irradiance of a horizontal surface by the points.
-    straight_down: Vec<NodeLight>,
     /// Share that comes through the air at every row of the panorama.
     transmittance: [[f64; BAND_COUNT]; ELEVATION_COUNT],
 }
@@ -139,15 +137,7 @@ impl NightSky {
             let beams = beams.map(|point| (FRAC_PI_2 - point.direction.elevation_rad, point.irradiance));
             meter_mean_of_points(beams, over.horizon)
         });
-        let straight_down = of_points(&|points| {
-            let mut sum = [0.0; BAND_COUNT];
-            for point in points {
-                let sin_elevation = point.direction.elevation_rad.sin();
-                sum.iter_mut().zip(point.irradiance).for_each(|(sum, value)| *sum += sin_elevation * value);
-            }
-            sum
-        });
-        Ok(Self { heavens, components, parts, seen, points, in_meter, straight_down, transmittance })
+        Ok(Self { heavens, components, parts, seen, points, in_meter, transmittance })
     }
 
     /// What shines outside the air.
@@ -170,14 +160,19 @@ impl NightSky {
         self.points.iter().map(|points| size_of_val(points.as_slice())).sum()
     }
 
-    /// For quantities.
-    pub(crate) fn as_natural_sky(&self) -> NaturalSky<'_> {
-        NaturalSky::OfInstant {
-            parts: &self.parts,
-            seen: &self.seen,
-            points: &self.in_meter,
-            straight_down: &self.straight_down,
-        }
+    /// What comes straight from its points to surfaces.
+    pub(crate) fn beams(&self, slope: Slope) -> Vec<BeamSums> {
+        let of = |component: Component| {
+            let points = &self.points[component.index()];
+            let beams = points.iter().map(|point| (point.direction, point.irradiance));
+            BeamSums::new(Arc::clone(component.light()), slope, beams)
+        };
+        Component::BODIES.map(of).to_vec()
+    }
+
+    /// For quantities, with its [`Self::beams`].
+    pub(crate) fn as_natural_sky<'a>(&'a self, beams: &'a [BeamSums]) -> NaturalSky<'a> {
+        NaturalSky::OfInstant { parts: &self.parts, seen: &self.seen, points: &self.in_meter, beams }
     }
 
     /// What the responses that it was made for see of all of them.

@@ -87,8 +87,8 @@ fn components_have_luminances() {
 fn the_moon_lights_the_ground() {
     let lux = |utc: &str| {
         let sky = sky(utc, &Horizon::flat(), Skipping::OfWhatDoesNotCount);
-        let value = |light: &NodeLight| light.light.rule(&Response::Photopic).value(light.kernel);
-        sky.straight_down.iter().map(value).sum::<f64>()
+        let beams = sky.beams(Slope::default());
+        beams.iter().map(|beams| beams.horizontal(&Response::Photopic)).sum::<f64>()
     };
     let (moonlit, dark) = (lux(FULL_MOON), lux(NEW_MOON));
     assert!((0.02..0.3).contains(&moonlit) && (1e-6..1e-3).contains(&dark), "{moonlit} {dark}");

@@ -4,8 +4,11 @@ use super::raster::TerrainRaster;
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::sections::{Flaw, Sections};
-use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
-use std::borrow::Cow;
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, Slope};
+use std::{
+    borrow::Cow,
+    f64::consts::{FRAC_PI_2, PI},
+};
 
 /// Missing terrain is taken from the nearest valid sample within this, metres: under lights and observers alike.
 const MAX_FILL_DISTANCE_M: f64 = 5_000.0;
@@ -44,6 +47,21 @@ impl Terrain {
             let ratio = (resolution_m / raster.sample_size_m()).max(1.0);
             raster.bilinear_m(ratio.log2().round() as usize, place)
         })
+    }
+
+    /// How the ground lies at a place, by differences over two samples of the raster that has a value there; level where one of them
+    /// is missing.
+    pub(crate) fn slope(&self, place: GeoPoint) -> Slope {
+        let Some(raster) = self.rasters.iter().find(|raster| raster.bilinear_m(0, place).is_some()) else {
+            return Slope::default();
+        };
+        let step_m = raster.sample_size_m();
+        let at = |azimuth_rad: f64| raster.bilinear_m(0, place.destination(azimuth_rad, step_m));
+        let [north_m, east_m, south_m, west_m] = [0.0, FRAC_PI_2, PI, 1.5 * PI].map(at);
+        let rise =
+            |ahead_m: Option<f64>, behind_m: Option<f64>| Some((ahead_m? - behind_m?) / (2.0 * step_m));
+        let gradient = rise(east_m, west_m).zip(rise(north_m, south_m));
+        gradient.map_or_else(Slope::default, |(to_east, to_north)| Slope::of_gradient(to_east, to_north))
     }
 
     /// The nearest valid elevation within [`MAX_FILL_DISTANCE_M`], metres, and its distance, to about a

@@ -1,0 +1,323 @@
+//! Ground as it is seen at night: lit by the sky over the observer, by Moon and Sun, and by its own lamps, behind the air in between
+//! (`docs/model.md#lit-ground`).
+
+use crate::{
+    error::ObservatoryError,
+    scene_view::SceneView,
+    sky::{RenderedSky, SkyRequest},
+};
+use glam::DVec3;
+use rayon::prelude::*;
+use skyglow_physics::{
+    AZIMUTH_COUNT, BAND_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, Fixture, GeoPoint, LOBE_COUNT,
+    LitGround, LitLine, Lobe, SKY_RESPONSES, SeenLight, SeenSky, SourcePixel,
+    aerial_perspective::AirBetween,
+    emission::lobe_intensities_per_sr,
+    geometry::{LocalFrame, spherical_quadrilateral_area_m2},
+    horizon::terrain_elevation_tangent,
+    sky_harmonics::SkyHarmonics,
+};
+use skyglow_scene::{GroundLine, Scene, SeenGround};
+use std::{
+    collections::HashMap,
+    f64::consts::{PI, TAU},
+};
+
+/// Lamps that are farther are not seen by themselves, metres.
+const LAMPS_WITHIN_M: f64 = 80_000.0;
+/// Lamps that are nearer are not drawn: where they stand is not known so well.
+const NEAREST_LAMP_M: f64 = 100.0;
+/// Height of a lamp above the ground, metres.
+const LAMP_HEIGHT_M: f64 = 8.0;
+/// Light of one lamp, lm, and the part of it that goes up: how many lamps a pixel is divided into.
+const LUMENS_OF_LAMP: f64 = 8_000.0;
+const UPWARD_SHARE: f64 = 0.17;
+/// A pixel is divided into so many at most.
+const MAX_LAMPS_OF_PIXEL: f64 = 96.0;
+/// Least cosine of the zenith angle at a lamp: a lamp that stands a little higher than the eye is seen too.
+const MIN_COS_ZENITH: f64 = 1e-3;
+/// Steps of the additive recurrence R2 in two dimensions (Roberts 2018): where in a pixel its lamps stand.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+
+/// What of the ground is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundRequest {
+    /// Azimuth of the first line, radians clockwise from north, the step to the next, and how many.
+    pub azimuths: (f64, f64, usize),
+    /// Share of light that it reflects.
+    pub albedo: f64,
+    /// Whether the natural sky lights it too; not under clouds.
+    pub in_total: bool,
+}
+
+/// The ground around a sky's observer.
+///
+/// # Errors
+/// [`ObservatoryError::Emission`].
+pub fn lit_ground(
+    view: &SceneView,
+    request: &SkyRequest,
+    sky: &RenderedSky,
+    wanted: &GroundRequest,
+) -> Result<LitGround, ObservatoryError> {
+    let scene = view.scene();
+    let eye_altitude_m = sky.context.altitude_m;
+    let lines = scene.visible_ground(request.place, eye_altitude_m, wanted.azimuths);
+    let lamps = LampLight::of_scene(scene, request)?;
+    let light = SkyLight::new(sky, wanted);
+    let eye = Eye {
+        frame: LocalFrame::at(request.place),
+        altitude_m: eye_altitude_m,
+        air: AirBetween::new(request.turbidity),
+    };
+    let patches = Patches::new(scene, &lamps);
+    let lit = |line: &GroundLine| {
+        let beyond = light.at_horizon(line.azimuth_rad);
+        let light = line.seen.iter().map(|ground| {
+            let through = eye.through(ground.altitude_m, ground.distance_m);
+            let of_lamps = patches.at(scene, || eye.place(line.azimuth_rad, ground.distance_m));
+            let sent = light.from_ground(ground);
+            std::array::from_fn(|i| {
+                let sent = sent[i] + of_lamps[i];
+                (sent * through[i] + beyond[i] * (1.0 - through[i])) as f32
+            })
+        });
+        LitLine {
+            tangents: line.seen.iter().map(|ground| ground.tangent as f32).collect(),
+            light: light.collect(),
+            is_behind_ridge: line.seen.iter().map(|ground| ground.is_behind_ridge).collect(),
+        }
+    };
+    let (first_azimuth_rad, step_rad, _) = wanted.azimuths;
+    let mut ground = LitGround {
+        first_azimuth_rad,
+        step_rad,
+        lines: lines.par_iter().map(lit).collect(),
+        lamps: Vec::new(),
+    };
+    let points = lamps.par_iter().flat_map_iter(|lamp| {
+        lamp.pixels.iter().flat_map(|pixel| lamps_of(scene, &eye, lamp, pixel, &ground, &lines))
+    });
+    ground.lamps = points.collect();
+    Ok(ground)
+}
+
+/// Where the eye is.
+struct Eye {
+    frame: LocalFrame,
+    altitude_m: f64,
+    air: AirBetween,
+}
+
+impl Eye {
+    fn place(&self, azimuth_rad: f64, distance_m: f64) -> GeoPoint {
+        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
+        let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
+        let forward = self.frame.north * cos_azimuth + self.frame.east * sin_azimuth;
+        GeoPoint::from_vector(self.frame.up * cos_arc + forward * sin_arc)
+    }
+
+    fn through(&self, altitude_m: f64, distance_m: f64) -> SeenLight {
+        let path_m = distance_m.hypot(altitude_m - self.altitude_m);
+        self.air.transmittance_of_seen([self.altitude_m, altitude_m.max(0.0)], path_m)
+    }
+}
+
+/// Light of the sky that comes to the ground and from the horizon.
+struct SkyLight {
+    harmonics: [SkyHarmonics; 4],
+    /// Moon and Sun: towards them, and their illuminance across.
+    discs: Vec<(DVec3, SeenLight)>,
+    /// Of level ground.
+    level: SeenLight,
+    /// Just above the ground, by column.
+    horizon: Vec<SeenLight>,
+    albedo: f64,
+}
+
+impl SkyLight {
+    fn new(sky: &RenderedSky, wanted: &GroundRequest) -> Self {
+        let total = wanted.in_total.then(|| sky.seen_in_total());
+        let seen: &SeenSky = total.as_ref().unwrap_or(&sky.seen);
+        let night = sky.night.as_ref().filter(|_| total.is_some());
+        let points = night.map(|night| night.points()).unwrap_or_default();
+        let discs = night.map(|night| night.discs()).unwrap_or_default();
+        let discs: Vec<_> =
+            discs.iter().map(|disc| (disc.point.direction.enu(), disc.point.illuminance_lx)).collect();
+        let plane = |i: usize| seen.seen_by(&SKY_RESPONSES[i]).unwrap_or_default();
+        let harmonics: [SkyHarmonics; 4] = std::array::from_fn(|i| {
+            let beams = points.iter().map(|point| (point.direction.enu(), point.illuminance_lx[i]));
+            SkyHarmonics::of_plane(plane(i)).with_beams(beams)
+        });
+        let horizon = (0..AZIMUTH_COUNT).map(|column| {
+            let row = sky.horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
+            std::array::from_fn(|i| {
+                plane(i).get(row * AZIMUTH_COUNT + column).map_or(0.0, |value| f64::from(*value))
+            })
+        });
+        let horizon = horizon.collect();
+        let mut light = Self { harmonics, discs, level: [0.0; 4], horizon, albedo: wanted.albedo };
+        light.level = light.illuminance(DVec3::Z);
+        light
+    }
+
+    /// From the sky alone, lx.
+    fn illuminance(&self, normal: DVec3) -> SeenLight {
+        std::array::from_fn(|i| {
+            let straight = self.discs.iter().map(|(towards, lx)| towards.dot(normal).max(0.0) * lx[i]);
+            self.harmonics[i].irradiance(normal) + straight.sum::<f64>()
+        })
+    }
+
+    /// Luminance of ground that the sky lights, and the ground before it.
+    fn from_ground(&self, ground: &SeenGround) -> SeenLight {
+        let normal = ground.slope.normal();
+        let from_sky = self.illuminance(normal);
+        // A slope sees as much of level ground as it misses of the sky.
+        let share = 0.5 * (1.0 - normal.z) * self.albedo;
+        std::array::from_fn(|i| self.albedo / PI * (from_sky[i] + share * self.level[i]))
+    }
+
+    /// Of the sky just above the ground.
+    fn at_horizon(&self, azimuth_rad: f64) -> SeenLight {
+        let column = azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64;
+        let weight = column - column.floor();
+        let left = column as usize % AZIMUTH_COUNT;
+        let (from, to) = (&self.horizon[left], &self.horizon[(left + 1) % AZIMUTH_COUNT]);
+        std::array::from_fn(|i| from[i] + weight * (to[i] - from[i]))
+    }
+}
+
+/// Lamps of one kind of fixture near the observer.
+struct LampLight {
+    pixels: Vec<SourcePixel>,
+    weights: [f64; LOBE_COUNT],
+    /// lm of each watt that the satellite sees, as X, Y, Z and scotopic luminance.
+    lumens_per_w: SeenLight,
+}
+
+impl LampLight {
+    fn of_scene(scene: &Scene, request: &SkyRequest) -> Result<Vec<Self>, ObservatoryError> {
+        let of = |(fixture, pixels): (Fixture, Vec<SourcePixel>)| {
+            let (mix, factor) = request.emission.of_fixture(&fixture).map_err(ObservatoryError::Emission)?;
+            let light = fixture.light(&request.lamp);
+            let lumens = |i: usize| light.rule(&SKY_RESPONSES[i]).value([factor; BAND_COUNT]);
+            Ok(Self { pixels, weights: mix.weights(), lumens_per_w: std::array::from_fn(lumens) })
+        };
+        scene.source_pixels_by_fixture(request.place, LAMPS_WITHIN_M).into_iter().map(of).collect()
+    }
+}
+
+/// Luminance of ground that lamps light themselves, cd m⁻², by pixel: what it sends up evenly.
+struct Patches(HashMap<(u32, u32), SeenLight>);
+
+impl Patches {
+    fn new(scene: &Scene, lamps: &[LampLight]) -> Self {
+        let mut patches = HashMap::new();
+        for lamp in lamps {
+            for pixel in &lamp.pixels {
+                let Some(at) = scene.column_and_row_at(GeoPoint::from_vector(pixel.center())) else {
+                    continue;
+                };
+                let area_m2 = spherical_quadrilateral_area_m2(pixel.corners).max(1.0);
+                let per_m2_sr = lamp.weights[Lobe::Lambert.index()] * pixel.flux_dnb_w / (PI * area_m2);
+                let light: &mut SeenLight = patches.entry(at).or_insert([0.0; 4]);
+                light.iter_mut().zip(lamp.lumens_per_w).for_each(|(sum, lumens)| *sum += lumens * per_m2_sr);
+            }
+        }
+        Self(patches)
+    }
+
+    /// At a place, bilinear between the middles of pixels.
+    fn at(&self, scene: &Scene, place: impl Fn() -> GeoPoint) -> SeenLight {
+        let mut sum = [0.0; 4];
+        let position = if self.0.is_empty() { None } else { scene.position_at(place()) };
+        let Some((column, row)) = position else { return sum };
+        let (column, row) = (column - 0.5, row - 0.5);
+        let (s, t) = (column - column.floor(), row - row.floor());
+        for (right, down, weight) in [
+            (0.0, 0.0, (1.0 - s) * (1.0 - t)),
+            (1.0, 0.0, s * (1.0 - t)),
+            (0.0, 1.0, (1.0 - s) * t),
+            (1.0, 1.0, s * t),
+        ] {
+            let (column, row) = (column.floor() + right, row.floor() + down);
+            let is_inside = column >= 0.0 && row >= 0.0;
+            let light = is_inside.then(|| self.0.get(&(column as u32, row as u32))).flatten();
+            if let Some(light) = light {
+                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * light);
+            }
+        }
+        sum
+    }
+}
+
+/// A point of the unit square for each pixel, by the mixing function of SplitMix64 (Steele et al. 2014).
+fn start_of(pixel: &SourcePixel) -> [f64; 2] {
+    let corner = pixel.corners[0];
+    let mut bits =
+        corner.x.to_bits() ^ corner.y.to_bits().rotate_left(21) ^ corner.z.to_bits().rotate_left(42);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^= bits >> 31;
+    [bits >> 32, bits & 0xffff_ffff].map(|half| half as f64 / 4_294_967_296.0)
+}
+
+/// Lamps of a pixel that are seen.
+fn lamps_of(
+    scene: &Scene,
+    eye: &Eye,
+    lamp: &LampLight,
+    pixel: &SourcePixel,
+    ground: &LitGround,
+    lines: &[GroundLine],
+) -> Vec<(Direction, SeenLight)> {
+    let bearing = eye.frame.bearing_to(pixel.center());
+    let side_m = EARTH_RADIUS_M * pixel.corners[0].distance(pixel.corners[2]);
+    // Half a pixel may reach into the view.
+    let half_rad = (side_m / bearing.distance_m.max(NEAREST_LAMP_M)).min(PI);
+    let is_in_view = [-half_rad, 0.0, half_rad]
+        .iter()
+        .any(|away_rad| ground.line_at(bearing.azimuth_rad + away_rad).is_some());
+    if !is_in_view {
+        return Vec::new();
+    }
+    // No more than can be told apart.
+    let apart = (4.0 * side_m / (bearing.distance_m * ground.step_rad)).max(1.0);
+    let lumens = lamp.lumens_per_w[1] * pixel.flux_dnb_w / UPWARD_SHARE;
+    let count = (lumens / LUMENS_OF_LAMP).ceil().clamp(1.0, MAX_LAMPS_OF_PIXEL.min(apart));
+    let flux_w = pixel.flux_dnb_w / count;
+    // Every pixel has a start of its own (Cranley and Patterson 1976): else lamps would stand in rows across pixels.
+    let start = start_of(pixel);
+    let of = |number: f64| {
+        let [s, t] = [0, 1].map(|axis| (start[axis] + R2[axis] * (number + 1.0)).fract());
+        let [a, b, c, d] = pixel.corners;
+        let at = (a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t).normalize();
+        let bearing = eye.frame.bearing_to(at);
+        let distance_m = bearing.distance_m;
+        let line = lines.get(ground.line_at(bearing.azimuth_rad)?)?;
+        if distance_m < NEAREST_LAMP_M {
+            return None;
+        }
+        let base_m = scene.terrain_altitude_m(GeoPoint::from_vector(at)).unwrap_or(pixel.altitude_m);
+        let altitude_m = base_m + LAMP_HEIGHT_M;
+        let tangent = terrain_elevation_tangent(eye.altitude_m, altitude_m, distance_m);
+        if !line.shows(distance_m, tangent) {
+            return None;
+        }
+        let path_m = distance_m.hypot(altitude_m - eye.altitude_m);
+        let cos_zenith = ((eye.altitude_m - altitude_m) / path_m).max(MIN_COS_ZENITH);
+        // What the ground sends up evenly is seen as its luminance already.
+        let lobes = lobe_intensities_per_sr(cos_zenith);
+        let per_sr: f64 = [Lobe::Horizon, Lobe::Oblique]
+            .iter()
+            .map(|lobe| lamp.weights[lobe.index()] * lobes[lobe.index()])
+            .sum();
+        let through = eye.through(altitude_m, distance_m);
+        let candela_per_m2 = flux_w * per_sr / (path_m * path_m);
+        let lx = std::array::from_fn(|i| lamp.lumens_per_w[i] * candela_per_m2 * through[i]);
+        let direction = Direction { azimuth_rad: bearing.azimuth_rad, elevation_rad: tangent.atan() };
+        Some((direction, lx))
+    };
+    (0..count as usize).filter_map(|number| of(number as f64)).collect()
+}

@@ -1,0 +1,79 @@
+//! Ground in light around a town on a plain.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+mod common;
+
+use common::{engine, sky, store_town_on};
+use skyglow_observatory::{GroundRequest, Observatory, ObserverHeight, RenderedSky, SkyRequest, lit_ground};
+use skyglow_physics::{Direction, LitGround};
+use skyglow_render::DeviceChoice;
+use std::{
+    f64::consts::{PI, TAU},
+    path::Path,
+};
+
+const COUNT: usize = 720;
+
+fn ground_at(
+    data: &Path,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    albedo: f64,
+) -> (LitGround, RenderedSky, SkyRequest) {
+    let observatory = Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data, 2);
+    let observer_height = ObserverHeight::AboveGround(50.0);
+    let request = SkyRequest { observer_height, ..sky(2.5, latitude_deg, longitude_deg) };
+    let rendered = observatory.sky_blocking(&request).unwrap();
+    let view = observatory.view(&request.scene, None).unwrap();
+    let wanted = GroundRequest { azimuths: (0.0, TAU / COUNT as f64, COUNT), albedo, in_total: false };
+    let ground = lit_ground(&view, &request, &rendered, &wanted).unwrap();
+    (ground, rendered, request)
+}
+
+fn looking(azimuth_deg: f64, elevation_deg: f64) -> Direction {
+    Direction { azimuth_rad: azimuth_deg.to_radians(), elevation_rad: elevation_deg.to_radians() }
+}
+
+/// Level ground near by has the luminance ρE/π of the sky's own illuminance, and reflects in proportion.
+#[test]
+fn near_ground_reflects_the_sky() {
+    let data = tempfile::tempdir().unwrap();
+    store_town_on(data.path(), 1.0, &|_, _| 1000.25);
+    // 12 km to the north-west of the town.
+    let [(dark, sky, _), (bright, ..)] =
+        [0.15, 0.6].map(|albedo| ground_at(data.path(), -1.35, 36.5, albedo));
+    let expected = 0.15 * sky.quantities.horizontal_illuminance_lx / PI;
+    // Nine harmonics of a low glow miss some per cent; the air of 50 m takes and adds less than one.
+    let below = looking(300.0, -40.0);
+    let found = dark.light(below).unwrap()[1];
+    assert!((found / expected - 1.0).abs() < 0.04, "{found} {expected}");
+    let four_times = bright.light(below).unwrap()[1] / found;
+    assert!((four_times - 4.0).abs() < 0.1, "{four_times}");
+    // Above the horizon there is sky.
+    assert_eq!(dark.light(looking(300.0, 1.0)), None);
+}
+
+/// The lamps of the town are seen where it lies, together as bright as its light sideways through the air, and its ground is brighter
+/// than that around it.
+#[test]
+fn the_towns_lamps_are_seen_in_its_direction() {
+    let data = tempfile::tempdir().unwrap();
+    store_town_on(data.path(), 1.0, &|_, _| 1000.25);
+    let (ground, sky, request) = ground_at(data.path(), -1.35, 36.5, 0.15);
+    assert!(ground.lamps.len() > 100, "{}", ground.lamps.len());
+    for (direction, _) in &ground.lamps {
+        assert!((direction.azimuth_rad.to_degrees() - 118.0).abs() < 12.0, "{direction:?}");
+        assert!((-1.0..0.0).contains(&direction.elevation_rad.to_degrees()), "{direction:?}");
+    }
+    let found_lx: f64 = ground.lamps.iter().map(|(_, lx)| lx[1]).sum();
+    // The horizontal lobe has 3.1 times the mean intensity at the horizon: C (π/2)⁴/2π with C = 1/∫ψ⁴ sin ψ dψ.
+    let half = PI / 2.0;
+    let per_sr = half.powi(4) / (2.0 * PI * (4.0 * half.powi(3) - 24.0 * half + 24.0));
+    let lumens = request.lamp.light().rule(&skyglow_physics::Response::Photopic).value([1.0; 4]);
+    let distance_m = 13_200.0;
+    let sideways = request.emission.mix().weights()[1] * per_sr * sky.context.flux_dnb_w * lumens;
+    let expected_lx = sideways / (distance_m * distance_m);
+    assert!((0.3..0.95).contains(&(found_lx / expected_lx)), "{found_lx} {expected_lx}");
+    let [town, beside] = [118.0, 150.0].map(|azimuth_deg| ground.light(looking(azimuth_deg, -0.25)).unwrap());
+    assert!(town[1] > 5.0 * beside[1], "{town:?} {beside:?}");
+}
