@@ -8,7 +8,6 @@ import { chooseLanguage } from "./language/words.ts";
 import { Lights } from "./lights/lights.ts";
 import { MapPanel } from "./map/map-panel.ts";
 import { Legend } from "./sky/legend.ts";
-import { SkyView } from "./sky/sky-view.ts";
 import { AppStore } from "./state/app-store.ts";
 import type { Place } from "./state/view-state.ts";
 import { AirControls } from "./ui/air-controls.ts";
@@ -50,7 +49,6 @@ mountLightsControls(store);
 mountLayerPanel(store);
 mountSummary(store);
 new Legend(store);
-new SkyView(byId("sky-view", HTMLElement), store);
 
 let paintCard: PaintCard | null = null;
 let isAsked = false;
@@ -60,8 +58,9 @@ const map = new MapPanel(store, (area) => {
 store.watch(["place", "isAway"], ({ place, isAway }) => {
   if (place === null || isAway || isAsked) return;
   isAsked = true;
-  import("./ui/place-cards.ts")
-    .then(({ mountPlaceCards }) => {
+  Promise.all([import("./sky/sky-view.ts"), import("./ui/place-cards.ts")])
+    .then(([{ SkyView }, { mountPlaceCards }]) => {
+      new SkyView(byId("sky-view", HTMLElement), store);
       paintCard = mountPlaceCards(store, lights, map);
     })
     .catch(() => {

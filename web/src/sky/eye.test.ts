@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { FourValues } from "./compact.ts";
-import { eyeBytes, halfPower, mesopic, seenByEye } from "./eye.ts";
+import { CONE_TABLE, coneTable, eyeBytes, halfPower, mesopic, seenByEye } from "./eye.ts";
 
 /** Values that the standard's formula gives (CIE 191:2010), from photopic luminance and the ratio of both. */
 test("mesopic luminance is that of the standard", () => {
@@ -18,19 +18,25 @@ test("mesopic luminance is that of the standard", () => {
   assert.equal(mesopic(0, 0).luminanceCdM2, 0);
 });
 
-/** The shaders stop after sixteen steps: no more than a thousandth is then missing, for any light. */
-test("sixteen steps of mesopic vision are enough", () => {
-  for (let exponent = -6; exponent <= 3; exponent += 0.1) {
-    for (const ratio of [0.3, 0.6, 1.3, 2.5, 4]) {
+/** Between the entries of the table that the shaders look up: luminance is right to a hundredth for the light of any lamp, and roughly
+ * for that of low-pressure sodium alone, whose luminance nearly jumps where cones begin to see. */
+test("the table of cones is fine enough", () => {
+  const { width, height, fromLog10, toLog10, ratioLog2 } = CONE_TABLE;
+  const table = coneTable();
+  const entry = (x: number, y: number) => table[Math.min(y, height - 1) * width + Math.min(x, width - 1)] ?? NaN;
+  for (let exponent = -6; exponent <= 3; exponent += 0.013) {
+    for (const ratio of [0.23, 0.6, 1.3, 2.47, 4]) {
       const photopic = 10 ** exponent;
-      let [cones, luminance] = [0.5, 0];
-      for (let i = 0; i < 16; i++) {
-        const rods = (1 - cones) * (683 / 1699);
-        luminance = (cones * photopic + rods * ratio * photopic) / (cones + rods);
-        cones = Math.min(Math.max(0.767 + 0.3334 * Math.log10(luminance), 0), 1);
-      }
+      const x = Math.min(Math.max((exponent - fromLog10) / (toLog10 - fromLog10), 0), 1) * (width - 1);
+      const y = (Math.log2(ratio) / ratioLog2 + 1) * 0.5 * (height - 1);
+      const [left, low] = [Math.floor(x), Math.floor(y)];
+      const row = (at: number) => entry(left, at) + (x - left) * (entry(left + 1, at) - entry(left, at));
+      const cones = row(low) + (y - low) * (row(low + 1) - row(low));
+      const rods = (1 - cones) * (683 / 1699);
+      const luminance = ((cones + rods * ratio) / (cones + rods)) * photopic;
       const exact = mesopic(photopic, ratio * photopic);
-      assert.ok(Math.abs(luminance / exact.luminanceCdM2 - 1) < 1e-3, `${photopic} ${ratio}: ${luminance}`);
+      assert.ok(Math.abs(cones - exact.coneShare) < 0.02, `${photopic} ${ratio}: ${cones} for ${exact.coneShare}`);
+      assert.ok(Math.abs(luminance / exact.luminanceCdM2 - 1) < (ratio < 0.3 ? 0.3 : 0.01), `${photopic} ${ratio}: ${luminance}`);
     }
   }
 });

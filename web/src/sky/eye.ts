@@ -31,6 +31,18 @@ export function mesopic(photopicCdM2: number, scotopicCdM2: number): { luminance
   return { luminanceCdM2, coneShare };
 }
 
+/** The part of the cones by photopic luminance and by scotopic over photopic, as the shaders look it up. */
+export const CONE_TABLE = { width: 256, height: 64, fromLog10: -3.5, toLog10: 1.5, ratioLog2: 3 } as const;
+
+/** Row by row, the lowest ratio first. */
+export function coneTable(): Float32Array {
+  const { width, height, fromLog10, toLog10, ratioLog2 } = CONE_TABLE;
+  return Float32Array.from({ length: width * height }, (_, i) => {
+    const photopic = 10 ** (fromLog10 + ((i % width) / (width - 1)) * (toLog10 - fromLog10));
+    return mesopic(photopic, 2 ** (ratioLog2 * ((2 * Math.floor(i / width)) / (height - 1) - 1)) * photopic).coneShare;
+  });
+}
+
 /** What the eye at an exposure has as half of the brightest, to the power of its response. */
 export function halfPower(exposureEv: number): number {
   return (HALF_BRIGHTNESS_CD_M2 / 2 ** exposureEv) ** RESPONSE_EXPONENT;

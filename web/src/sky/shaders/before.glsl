@@ -1,14 +1,9 @@
-// What stands before the sky: where ground hides it, and the light behind it.
+// The light behind what stands before the sky.
 
-uniform sampler2D horizon;
 /** X, Y, Z and scotopic luminance of the grid's samples, and of the highest row once more across the zenith. */
 uniform sampler2D sky;
 /** The lower left corner of the plot on the canvas. */
 uniform vec2 origin_px;
-
-bool is_hidden(vec2 direction) {
-  return direction.y < texture(horizon, vec2(place_of(direction, vec2(textureSize(horizon, 0))).x, 0.5)).r;
-}
 
 /** By bilinear interpolation, which textures of 32 bits have not. */
 vec4 sky_at(vec2 direction) {

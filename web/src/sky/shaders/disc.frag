@@ -23,7 +23,7 @@ void main() {
     vec2 direction = direction_at(gl_FragCoord.xy - origin_px + inside);
     vec3 away = vector_of(direction) - ahead;
     vec2 on_disc = vec2(dot(away, right), dot(away, above)) / radius;
-    if (dot(on_disc, on_disc) > 1.0 || dot(away, ahead) < -0.5 || is_hidden(direction)) continue;
+    if (dot(on_disc, on_disc) > 1.0 || dot(away, ahead) < -0.5) continue;
     float limb = on_disc.y * cos(bright_limb) + on_disc.x * sin(bright_limb);
     float along = on_disc.x * cos(bright_limb) - on_disc.y * sin(bright_limb);
     float terminator = (1.0 - 2.0 * lit_share) * sqrt(max(1.0 - along * along, 0.0));

@@ -11,8 +11,12 @@ const float SCOTOPIC_AT_555_NM = 683.0 / 1699.0;
 const float RESPONSE_EXPONENT = 0.73;
 /** X and Z over Y of what rods alone see: chromaticity (0.281, 0.290). */
 const vec3 RODS = vec3(0.281 / 0.29, 1.0, (1.0 - 0.281 - 0.29) / 0.29);
-/** The iteration of MES-2 leaves less than a thousandth after so many steps (eye.test.ts). */
-const int ITERATIONS = 16;
+/** What the table spans: powers of ten of photopic luminance, and powers of two of scotopic over photopic, down to the same below 0. */
+const float TABLE_FROM = -3.5;
+const float TABLE_TO = 1.5;
+const float TABLE_RATIO_LOG2 = 3.0;
+/** The part of the cones. */
+uniform sampler2D cone_table;
 
 uniform int finish;
 /** Of the eye, half of the brightest to the power of its response; of the film, the luminance that counts as 1. */
@@ -22,16 +26,13 @@ vec3 encoded(vec3 linear) {
   return mix(12.92 * linear, 1.055 * pow(max(linear, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
 }
 
-/** Luminance and the part of the cones (CIE 191:2010, MES-2). */
+/** Luminance and the part of the cones (CIE 191:2010, MES-2), by the table of eye.ts. */
 vec2 mesopic(float photopic, float scotopic) {
-  float cones = 0.5;
-  float luminance = 0.0;
-  for (int i = 0; i < ITERATIONS; i++) {
-    float rods = (1.0 - cones) * SCOTOPIC_AT_555_NM;
-    luminance = (cones * photopic + rods * scotopic) / (cones + rods);
-    cones = clamp(0.767 + 0.3334 * 0.30103 * log2(max(luminance, 1e-30)), 0.0, 1.0);
-  }
-  return vec2(luminance, cones);
+  vec2 size = vec2(textureSize(cone_table, 0));
+  vec2 at = vec2((log2(max(photopic, 1e-30)) * 0.30103 - TABLE_FROM) / (TABLE_TO - TABLE_FROM), 0.5 + 0.5 * log2(max(scotopic, 1e-30) / max(photopic, 1e-30)) / TABLE_RATIO_LOG2);
+  float cones = texture(cone_table, (0.5 + clamp(at, 0.0, 1.0) * (size - 1.0)) / size).r;
+  float rods = (1.0 - cones) * SCOTOPIC_AT_555_NM;
+  return vec2((cones * photopic + rods * scotopic) / (cones + rods), cones);
 }
 
 vec3 seen_by_eye(vec4 light) {
