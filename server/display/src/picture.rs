@@ -5,6 +5,7 @@ use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
     eye::Seen,
+    glare::Halo,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     options::{PictureOptions, Projection},
@@ -47,7 +48,7 @@ pub fn picture_with(
 ) -> Result<RgbImage, DisplayError> {
     options.check()?;
     let seen = without_ground(seen, horizon);
-    let painter = Painter::new(&seen, response, options)?;
+    let painter = Painter::new(&seen, response, options, Halo::of(&bodies.discs, horizon))?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
@@ -231,7 +232,7 @@ mod tests {
             let fast = picture(&panorama, &horizon, &options).unwrap();
             let shown = without_ground(&panorama, &horizon);
             let (painter, mut ground) = (
-                Painter::new(&shown, &Response::Photopic, &options).unwrap(),
+                Painter::new(&shown, &Response::Photopic, &options, Vec::new()).unwrap(),
                 GroundMap::new(&horizon, (640, 150)),
             );
             let view = View::new(options.projection, 640, 150);

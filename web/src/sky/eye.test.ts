@@ -45,11 +45,19 @@ const sodium = (luminance: number): FourValues => [1.15 * luminance, luminance, 
 
 /** A pristine sky is a near-black blue-grey whatever its light, a dome over a city has its lamps' colour, bright light is white. */
 test("night looks like night", () => {
-  const [red, green, blue] = eyeBytes(sodium(2e-4), 0);
+  const [red, green, blue] = eyeBytes(sodium(2e-4), 0, 2e-4);
   assert.ok(red < green && green < blue && blue > 10 && blue < 70, `${red} ${green} ${blue}`);
-  const dome = eyeBytes(sodium(0.3), 0);
+  const dome = eyeBytes(sodium(0.3), 0, 0.02);
   assert.ok(dome[0] > dome[2] + 40, `${dome}`);
-  assert.ok(eyeBytes([2850, 3000, 3270, 7400], 0).every((byte) => byte > 245));
-  assert.deepEqual(eyeBytes([0, 0, 0, 0], 0), [0, 0, 0]);
-  for (const channel of seenByEye([2, 0.1, 0, 0.01], halfPower(3))) assert.ok(channel >= 0 && channel <= 1);
+  assert.ok(eyeBytes([2850, 3000, 3270, 7400], 0, 0.02).every((byte) => byte > 245));
+  assert.deepEqual(eyeBytes([0, 0, 0, 0], 0, 2e-4), [0, 0, 0]);
+  for (const channel of seenByEye([2, 0.1, 0, 0.01], halfPower(3, 1e-3))) assert.ok(channel >= 0 && channel <= 1);
+});
+
+/** Twice the light of a dark sky, as the Milky Way has, stands out; the same sky is darker to an eye that comes from a town. */
+test("the Milky Way stands out", () => {
+  const green = (luminance: number, adaptation: number) => eyeBytes(sodium(luminance), 0, adaptation)[1];
+  assert.ok(green(4e-4, 2.5e-4) > 1.7 * green(2e-4, 2.5e-4), `${green(4e-4, 2.5e-4)} ${green(2e-4, 2.5e-4)}`);
+  assert.ok(green(2e-4, 2e-2) < 8, `${green(2e-4, 2e-2)}`);
+  assert.equal(halfPower(0, 0), halfPower(0, 1e-4));
 });

@@ -4,7 +4,8 @@ import { isOfLight } from "./colour-maps.ts";
 import type { Disc } from "./compact.ts";
 import { CONE_TABLE, coneTable, halfPower } from "./eye.ts";
 import { colourTexture, floatTexture, Program } from "./gl.ts";
-import type { SkyGrid, SkyKind } from "./grid.ts";
+import { HALO_DEG, illuminanceOf } from "./glare.ts";
+import type { SkyGrid } from "./grid.ts";
 import type { Drawing } from "./lines.ts";
 import { LiveLines } from "./live-lines.ts";
 import { columnsInView, drawMesh, groundRows, type Mesh, mesh, skyRows, vertexArray } from "./meshes.ts";
@@ -20,7 +21,7 @@ import pointVertex from "./shaders/point.vert?raw";
 import skyFragment from "./shaders/sky.frag?raw";
 import skyVertex from "./shaders/sky.vert?raw";
 import view from "./shaders/view.glsl?raw";
-import { type PictureLook, type Shading, shadingOf, tableOf, texelsOf } from "./shading.ts";
+import { type PictureLook, type Shading, shadingOf, tableOf, texelsOf, veiledAt } from "./shading.ts";
 
 /** How directions become pixels. */
 export interface SkyPlot {
@@ -41,7 +42,7 @@ interface Uploaded {
   sky: Mesh;
   ground: Mesh;
   /** Stars, Moon and Sun with the light behind them and the ground before them. */
-  before: { sky: WebGLTexture; points: { array: WebGLVertexArrayObject; vertices: WebGLBuffer } } | null;
+  before: { sky: WebGLTexture; veil: WebGLTexture; points: { array: WebGLVertexArrayObject; vertices: WebGLBuffer } } | null;
 }
 
 /** Of the plot on the canvas, device pixels from the lower left. */
@@ -53,6 +54,7 @@ interface Work {
   area: Area;
   use: (program: Program) => Program;
   untilPx: number;
+  isEye: boolean;
 }
 
 interface Programs {
@@ -136,7 +138,8 @@ export class GpuPainter {
     const columns = columnsInView(grid, plot.projection, plot.gaze, plot.plot);
     drawMesh(gl, uploaded.sky, columns, plot.isMoving);
     gl.enable(gl.BLEND);
-    if (uploaded.before !== null) this.paintBefore(gl, this.programs, uploaded.before, { grid, plot, area, use, untilPx });
+    if (uploaded.before !== null)
+      this.paintBefore(gl, this.programs, uploaded.before, { grid, plot, area, use, untilPx, isEye: look.colours === "eye" });
     // Ground hides all of it, and its edge is smooth.
     gl.scissor(left, bottom, Math.max(Math.min(width, untilPx - left), 0), height);
     gl.blendEquation(gl.FUNC_ADD);
@@ -156,8 +159,8 @@ export class GpuPainter {
   private paintBefore(
     gl: WebGL2RenderingContext,
     { point, disc, cones }: Programs,
-    { points, sky }: NonNullable<Uploaded["before"]>,
-    { grid, plot, area, use, untilPx }: Work,
+    { points, sky, veil }: NonNullable<Uploaded["before"]>,
+    { grid, plot, area, use, untilPx, isEye }: Work,
   ): void {
     const [left, bottom, width, height] = area;
     const scale = plot.pixelsPerCssPx;
@@ -166,10 +169,12 @@ export class GpuPainter {
     gl.bindVertexArray(points.array);
     gl.drawArrays(gl.POINTS, 0, grid.points.length);
     gl.bindVertexArray(null);
+    // What ground hides has no glare.
     for (const body of grid.discs) {
+      const haloDeg = isEye && body.elevation_deg >= Math.max(grid.horizonAt(body.azimuth_deg), 0) ? HALO_DEG : 0;
       const { xPx, yPx } = plot.projection.pointFromDirection({ azimuthDeg: body.azimuth_deg, elevationDeg: body.elevation_deg });
       if (Number.isNaN(xPx)) continue;
-      const reachPx = discReachPx(body, plot) * scale;
+      const reachPx = discReachPx(body, plot, haloDeg) * scale;
       const from = [xPx * scale - reachPx, this.canvas.height - yPx * scale - reachPx].map(Math.floor);
       const boxLeft = Math.max(from[0] ?? 0, left);
       const boxBottom = Math.max(from[1] ?? 0, bottom);
@@ -178,15 +183,16 @@ export class GpuPainter {
       gl.scissor(boxLeft, boxBottom, Math.max(boxRight - boxLeft, 0), Math.max(boxTop - boxBottom, 0));
       const program = use(disc);
       bind(gl, program, "sky", 0, sky);
+      bind(gl, program, "veil", 2, veil);
       bind(gl, program, "cone_table", 1, cones);
-      paintDisc(gl, program, body);
+      paintDisc(gl, program, body, haloDeg);
     }
   }
 
   private use(
     gl: WebGL2RenderingContext,
     program: Program,
-    { colours, exposureEv }: PictureLook,
+    { colours, exposureEv, adaptationCdM2 }: PictureLook,
     { projection, gaze }: SkyPlot,
     [left, bottom, width, height]: Area,
   ): Program {
@@ -197,7 +203,9 @@ export class GpuPainter {
     gl.uniformMatrix3fv(program.place("camera"), false, cameraAxes(gaze));
     gl.uniform1f(program.place("focal_px"), height / 2 / Math.tan((gaze.fieldDeg / 2) * RADIANS));
     gl.uniform1i(program.place("finish"), isOfLight(colours) ? FINISHES.indexOf(colours) : FINISHES.indexOf("table"));
-    gl.uniform1f(program.place("exposure"), colours === "eye" ? halfPower(exposureEv) : referenceCdM2(exposureEv));
+    const isEye = colours === "eye";
+    gl.uniform1f(program.place("exposure"), isEye ? halfPower(exposureEv, 1) : referenceCdM2(exposureEv));
+    gl.uniform1f(program.place("adaptation"), adaptationCdM2 ?? 0);
     return program;
   }
 
@@ -216,14 +224,14 @@ export class GpuPainter {
       table: isOfLight(look.colours) ? null : colourTexture(gl, tableOf(look.colours)),
       sky: mesh(gl, grid, skyRows(grid, shading)),
       ground: mesh(gl, grid, groundRows(grid)),
-      before: hasBefore ? { sky: lightTexture(gl, grid, look.sky), points: pointArray(gl, grid, look.sky) } : null,
+      before: hasBefore ? beforeSky(gl, grid, look) : null,
     };
     this.uploads.set(grid, made);
     return made;
   }
 
   private release(gl: WebGL2RenderingContext, grid: SkyGrid, { table, sky, ground, before }: Uploaded): void {
-    for (const texture of [table, before?.sky]) gl.deleteTexture(texture ?? null);
+    for (const texture of [table, before?.sky, before?.veil]) gl.deleteTexture(texture ?? null);
     for (const { array } of [sky, ground, ...(before === null ? [] : [before.points])]) gl.deleteVertexArray(array);
     for (const buffer of [sky.vertices, sky.indices, ground.vertices, ground.indices, before?.points.vertices])
       gl.deleteBuffer(buffer ?? null);
@@ -238,23 +246,29 @@ function bind(gl: WebGL2RenderingContext, program: Program, name: string, unit: 
 }
 
 /** Half a side of the square that a disc lies in, CSS pixels. */
-function discReachPx({ radius_deg, elevation_deg }: Disc, { projection, gaze, plot: { widthPx, heightPx } }: SkyPlot): number {
+function discReachPx(
+  { radius_deg, elevation_deg }: Disc,
+  { projection, gaze, plot: { widthPx, heightPx } }: SkyPlot,
+  haloDeg: number,
+): number {
   const degreesAPx = {
     equirectangular: 90 / heightPx,
     fisheye: 180 / Math.min(widthPx, heightPx),
     perspective: (2 * Math.tan((gaze.fieldDeg / 2) * RADIANS)) / heightPx / RADIANS,
   }[projection.name];
   // Pixels are stretched near the edge of a perspective and high up in a strip.
-  return 4 + ((2 / Math.max(Math.cos(elevation_deg * RADIANS), 0.05)) * radius_deg) / degreesAPx;
+  return 4 + ((2 / Math.max(Math.cos(elevation_deg * RADIANS), 0.05)) * Math.max(radius_deg, haloDeg)) / degreesAPx;
 }
 
-function paintDisc(gl: WebGL2RenderingContext, program: Program, disc: Disc): void {
+function paintDisc(gl: WebGL2RenderingContext, program: Program, disc: Disc, haloDeg: number): void {
   gl.uniform2f(program.place("middle"), disc.azimuth_deg * RADIANS, disc.elevation_deg * RADIANS);
   gl.uniform1f(program.place("radius"), disc.radius_deg * RADIANS);
   gl.uniform4fv(program.place("lit"), disc.lit_cd_m2);
   gl.uniform4fv(program.place("dark"), disc.dark_cd_m2);
   gl.uniform1f(program.place("lit_share"), disc.lit_share);
   gl.uniform1f(program.place("bright_limb"), disc.bright_limb_deg * RADIANS);
+  gl.uniform4fv(program.place("illuminance"), illuminanceOf(disc));
+  gl.uniform1f(program.place("halo_deg"), haloDeg);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
@@ -265,19 +279,24 @@ function cameraAxes(gaze: Gaze): number[] {
   return [Math.cos(azimuth), -Math.sin(azimuth), 0, ...above, ...vectorFromDirection(gaze)];
 }
 
-/** Light behind what stands before the sky. */
-function lightTexture(gl: WebGL2RenderingContext, grid: SkyGrid, sky: SkyKind) {
-  const light = texelsOf(grid, (sample) => grid.eyeAt(sky, sample));
-  return floatTexture(gl, "RGBA32F", [grid.azimuthCount, grid.elevationCount + 1], light);
-}
-
-/** Stars and planets as vertices, with the light of the sky there. */
-function pointArray(gl: WebGL2RenderingContext, grid: SkyGrid, sky: SkyKind) {
+/** Stars and planets as vertices with the light of the sky there, and that light for Moon and Sun. A camera has no veil. */
+function beforeSky(gl: WebGL2RenderingContext, grid: SkyGrid, { sky, colours }: PictureLook) {
+  const samples = Array.from({ length: grid.azimuthCount * grid.elevationCount }, (_, sample) =>
+    colours === "eye" ? veiledAt(grid, sky, sample) : { light: grid.eyeAt(sky, sample), veilCdM2: 0 },
+  );
+  const light = texelsOf(grid, (sample) => samples[sample]?.light ?? []);
+  const veil = texelsOf(grid, (sample) => [samples[sample]?.veilCdM2 ?? 0]);
+  const size = [grid.azimuthCount, grid.elevationCount + 1] as const;
   const numbers = grid.points.flatMap(({ azimuthDeg, elevationDeg, illuminanceLx }) => [
     azimuthDeg * RADIANS,
     elevationDeg * RADIANS,
     ...illuminanceLx,
-    ...grid.lightAt(sky, azimuthDeg, elevationDeg),
+    ...grid.between(light, azimuthDeg, elevationDeg),
+    grid.between(veil, azimuthDeg, elevationDeg)[0],
   ]);
-  return vertexArray(gl, new Float32Array(numbers), [2, 4, 4]);
+  return {
+    sky: floatTexture(gl, "RGBA32F", size, light),
+    veil: floatTexture(gl, "RGBA32F", size, veil),
+    points: vertexArray(gl, new Float32Array(numbers), [2, 4, 4, 1]),
+  };
 }

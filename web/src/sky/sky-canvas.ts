@@ -22,7 +22,7 @@ import {
   type SkyDirection,
 } from "./projection.ts";
 import { outline, type Region } from "./region.ts";
-import type { PictureLook } from "./shading.ts";
+import { adaptationOf, type PictureLook } from "./shading.ts";
 import { type TownOnHorizon, townsOnHorizon } from "./towns.ts";
 
 /** All that the picture is drawn from. */
@@ -251,7 +251,7 @@ export class SkyCanvas {
       splitPx = this.splitPx(scene, scale);
       for (const [each, untilPx] of skiesOf(grid, scene, splitPx, width)) {
         const image = context.createImageData(untilPx, height);
-        paintSky(image, each, scene, projection, scale);
+        paintSky(image, each, lookOf(grid, scene), projection, scale);
         context.putImageData(image, 0, 0);
       }
     }
@@ -263,11 +263,10 @@ export class SkyCanvas {
 
   /** Paints on the canvas of WebGL; where the other sky ends, device pixels. */
   private paintSkies(grid: SkyGrid, scene: SkyScene, plot: SkyPlot, [width, height]: readonly [number, number]): number | null {
-    const { sky, colours, exposureEv } = scene;
+    const look = lookOf(grid, scene);
     const splitPx = this.splitPx(scene, plot.pixelsPerCssPx);
     this.gpu.begin(width, height);
-    for (const [each, untilPx] of skiesOf(grid, scene, splitPx, width))
-      this.gpu.paint(each, { sky, colours, exposureEv }, plot, untilPx);
+    for (const [each, untilPx] of skiesOf(grid, scene, splitPx, width)) this.gpu.paint(each, look, plot, untilPx);
     return splitPx;
   }
 
@@ -283,6 +282,12 @@ export class SkyCanvas {
     const aroundPx = projection === "fisheye" ? Math.PI * Math.min(widthPx, heightPx) : widthPx;
     return Math.min((NAME_PX / aroundPx) * 360, 90);
   }
+}
+
+/** How both skies are shown: the eye is adapted to one of them. */
+function lookOf(grid: SkyGrid, scene: SkyScene): PictureLook {
+  const { sky, colours, exposureEv } = scene;
+  return { sky, colours, exposureEv, adaptationCdM2: colours === "eye" ? adaptationOf(grid, scene) : null };
 }
 
 /** The skies that are painted one over the other, each until a column of the canvas. */

@@ -40,7 +40,17 @@ export class SkyView {
       this.gaze = gaze;
       if (this.isPerspective()) this.redraw();
     });
-    const drawn = ["panorama", "panoramaToday", "projection", "sky", "colours", "exposureEv", "place", "places"] as const;
+    const drawn = [
+      "panorama",
+      "panoramaToday",
+      "projection",
+      "sky",
+      "colours",
+      "exposureEv",
+      "adaptationCdM2",
+      "place",
+      "places",
+    ] as const;
     store.watch(drawn, () => this.redraw());
     store.watch(["split"], ({ panoramaToday }) => {
       if (panoramaToday !== null) this.drawSoon();
