@@ -34,7 +34,7 @@ export function mesopic(photopicCdM2: number, scotopicCdM2: number): { luminance
     const next = luminanceCdM2 > 0 ? Math.min(Math.max(0.767 + 0.3334 * Math.log10(luminanceCdM2), 0), 1) : 0;
     const change = Math.abs(next - coneShare);
     coneShare = next;
-    if (change < 1e-9) break;
+    if (change < 1e-6) break;
   }
   return { luminanceCdM2, coneShare };
 }

@@ -3,8 +3,7 @@
 
 import type { Disc, FourValues } from "./compact.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
-import { vectorFromDirection } from "./projection.ts";
-import { angleDeg } from "./region.ts";
+import { type SkyDirection, vectorFromDirection } from "./projection.ts";
 
 const RADIANS = Math.PI / 180;
 /** Of the observer, and the pigment of brown to green eyes. */
@@ -66,32 +65,38 @@ function compute(grid: SkyGrid, kind: SkyKind): Glare {
     for (let column = 0; column < azimuthCount; column++) {
       const light = grid.eyeAt(kind, row * azimuthCount + column);
       const cell = 4 * (Math.floor(row / CELL_SAMPLES) * across + Math.floor(column / CELL_SAMPLES));
-      for (let i = 0; i < 4; i++) flux[cell + i] = (flux[cell + i] ?? 0) + solidAngle * (light[i] ?? 0);
+      for (let i = 0; i < 4; i++) flux[cell + i] = (flux[cell + i] as number) + solidAngle * (light[i] as number);
       sum += solidAngle * light[1];
     }
   }
-  const coarse = veilOfCells(grid, flux, across, up);
-  const veil = new Float32Array(4 * azimuthCount * elevationCount);
-  const bodies = kind === "total" ? bodiesOf(grid) : [];
-  for (let row = 0; row < elevationCount; row++) {
-    for (let column = 0; column < azimuthCount; column++) {
-      const at = 4 * (row * azimuthCount + column);
-      veil.set(between(coarse, [column, row], across, up), at);
-      const direction = {
-        azimuthDeg: grid.azimuthFirstDeg + column * grid.azimuthStepDeg,
-        elevationDeg: grid.elevationFirstDeg + row * grid.elevationStepDeg,
-      };
-      for (const { where, illuminance } of bodies) {
-        const part = veilFacing(Math.max(angleDeg(direction, where), HALO_DEG));
-        for (let i = 0; i < 4; i++) veil[at + i] = (veil[at + i] ?? 0) + part * (illuminance[i] ?? 0);
-      }
-    }
-  }
+  const veil = betweenCells(veilOfCells(flux, across, up), across, up);
+  if (kind === "total") for (const body of bodiesOf(grid)) addVeilOf(veil, grid, body);
   return { meanCdM2: sum / (2 * Math.PI), veil };
 }
 
+interface Body {
+  where: SkyDirection;
+  illuminance: FourValues;
+}
+
+/** Adds what a body veils to every sample. */
+function addVeilOf(veil: Float32Array, grid: SkyGrid, { where, illuminance }: Body): void {
+  const [x, y, z] = vectorFromDirection(where);
+  for (let row = 0; row < grid.elevationCount; row++) {
+    const elevation = (grid.elevationFirstDeg + row * grid.elevationStepDeg) * RADIANS;
+    const [flat, height] = [Math.cos(elevation), Math.sin(elevation)];
+    for (let column = 0; column < grid.azimuthCount; column++) {
+      const azimuth = (grid.azimuthFirstDeg + column * grid.azimuthStepDeg) * RADIANS;
+      const cosine = flat * (Math.sin(azimuth) * x + Math.cos(azimuth) * y) + height * z;
+      const part = veilFacing(Math.max(Math.acos(Math.min(cosine, 1)) / RADIANS, HALO_DEG));
+      const at = 4 * (row * grid.azimuthCount + column);
+      for (let i = 0; i < 4; i++) veil[at + i] = (veil[at + i] as number) + part * (illuminance[i] as number);
+    }
+  }
+}
+
 /** Moon and Sun that no ground hides. */
-export function bodiesOf(grid: SkyGrid) {
+function bodiesOf(grid: SkyGrid): Body[] {
   return grid.discs
     .filter((disc) => disc.elevation_deg >= Math.max(grid.horizonAt(disc.azimuth_deg), 0))
     .map((disc) => ({
@@ -105,45 +110,76 @@ function solidAngleOf({ elevationStepDeg, azimuthStepDeg }: SkyGrid, row: number
   return azimuthStepDeg * RADIANS * (high - low);
 }
 
-/** The veil over the middle of every cell. */
-function veilOfCells(grid: SkyGrid, flux: Float64Array, across: number, up: number): Float64Array {
-  const vector = (row: number, column: number) =>
-    vectorFromDirection({
-      azimuthDeg: column * CELL_SAMPLES * grid.azimuthStepDeg,
-      elevationDeg: (row + 0.5) * CELL_SAMPLES * grid.elevationStepDeg,
-    });
-  const veil = new Float64Array(flux.length);
-  const kernel = new Float64Array(across);
+/** What a cell sends to another, by their rows and how many cells of azimuth are between them; made once. */
+let kernel: { across: number; up: number; parts: Float64Array } | null = null;
+
+function kernelOf(across: number, up: number): Float64Array {
+  if (kernel?.across === across && kernel.up === up) return kernel.parts;
+  const parts = new Float64Array(up * up * across);
+  const elevation = (row: number) => ((row + 0.5) / up) * (Math.PI / 2);
   for (let to = 0; to < up; to++) {
-    const [x, y, z] = vector(to, 0);
     for (let from = 0; from < up; from++) {
+      const sines = Math.sin(elevation(to)) * Math.sin(elevation(from));
+      const cosines = Math.cos(elevation(to)) * Math.cos(elevation(from));
       for (let turn = 0; turn < across; turn++) {
-        const [east, north, height] = vector(from, turn);
-        const cosine = Math.min(Math.max(x * east + y * north + z * height, -1), 1);
-        kernel[turn] = veilFacing(Math.max(Math.acos(cosine) / RADIANS, NEAREST_CELL_DEG));
+        const cosine = sines + cosines * Math.cos((turn / across) * 2 * Math.PI);
+        const angle = Math.acos(Math.min(Math.max(cosine, -1), 1)) / RADIANS;
+        parts[(to * up + from) * across + turn] = veilFacing(Math.max(angle, NEAREST_CELL_DEG));
       }
+    }
+  }
+  kernel = { across, up, parts };
+  return parts;
+}
+
+/** The veil over the middle of every cell. */
+function veilOfCells(flux: Float64Array, across: number, up: number): Float64Array {
+  const parts = kernelOf(across, up);
+  const veil = new Float64Array(flux.length);
+  for (let to = 0; to < up; to++) {
+    for (let from = 0; from < up; from++) {
+      const row = (to * up + from) * across;
       for (let column = 0; column < across; column++) {
-        const at = 4 * (to * across + column);
+        let [x, y, z, scotopic] = [0, 0, 0, 0];
         for (let turn = 0; turn < across; turn++) {
-          const part = kernel[turn] ?? 0;
+          const part = parts[row + turn] as number;
           const source = 4 * (from * across + ((column + turn) % across));
-          for (let i = 0; i < 4; i++) veil[at + i] = (veil[at + i] ?? 0) + part * (flux[source + i] ?? 0);
+          x += part * (flux[source] as number);
+          y += part * (flux[source + 1] as number);
+          z += part * (flux[source + 2] as number);
+          scotopic += part * (flux[source + 3] as number);
         }
+        const at = 4 * (to * across + column);
+        veil[at] = (veil[at] as number) + x;
+        veil[at + 1] = (veil[at + 1] as number) + y;
+        veil[at + 2] = (veil[at + 2] as number) + z;
+        veil[at + 3] = (veil[at + 3] as number) + scotopic;
       }
     }
   }
   return veil;
 }
 
-/** Between the middles of the cells, by bilinear interpolation; the highest and the lowest hold beyond. */
-function between(cells: Float64Array, [column, row]: readonly [number, number], across: number, up: number): FourValues {
-  const x = (column + 0.5) / CELL_SAMPLES - 0.5 + across;
-  const y = Math.min(Math.max((row + 0.5) / CELL_SAMPLES - 0.5, 0), up - 1);
-  const [left, low] = [Math.floor(x), Math.min(Math.floor(y), up - 2)];
-  const [right, above] = [x - left, y - low];
-  const cell = (rowAt: number, columnAt: number, i: number) => cells[4 * (rowAt * across + (columnAt % across)) + i] ?? 0;
-  const value = (i: number) =>
-    (1 - above) * ((1 - right) * cell(low, left, i) + right * cell(low, left + 1, i)) +
-    above * ((1 - right) * cell(low + 1, left, i) + right * cell(low + 1, left + 1, i));
-  return [value(0), value(1), value(2), value(3)];
+/** Samples between the middles of the cells, by bilinear interpolation; the highest and the lowest cells hold beyond. */
+function betweenCells(cells: Float64Array, across: number, up: number): Float32Array {
+  const width = across * CELL_SAMPLES;
+  const veil = new Float32Array(4 * width * up * CELL_SAMPLES);
+  for (let row = 0; row < up * CELL_SAMPLES; row++) {
+    const y = Math.min(Math.max((row + 0.5) / CELL_SAMPLES - 0.5, 0), up - 1);
+    const low = Math.min(Math.floor(y), up - 2);
+    for (let column = 0; column < width; column++) {
+      const x = (column + 0.5) / CELL_SAMPLES - 0.5 + across;
+      const left = Math.floor(x);
+      const [right, above] = [x - left, y - low];
+      const a = 4 * (low * across + (left % across));
+      const b = 4 * (low * across + ((left + 1) % across));
+      for (let i = 0; i < 4; i++) {
+        const [nearLeft, nearRight] = [cells[a + i] as number, cells[b + i] as number];
+        const [farLeft, farRight] = [cells[a + 4 * across + i] as number, cells[b + 4 * across + i] as number];
+        veil[4 * (row * width + column) + i] =
+          (1 - above) * ((1 - right) * nearLeft + right * nearRight) + above * ((1 - right) * farLeft + right * farRight);
+      }
+    }
+  }
+  return veil;
 }

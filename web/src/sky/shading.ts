@@ -42,8 +42,9 @@ export function adaptationOf(grid: SkyGrid, { sky, adaptationCdM2 }: Pick<Pictur
 /** Light of a sample with the veil over it, and the luminance of that. */
 export function veiledAt(grid: SkyGrid, sky: SkyKind, sample: number): { light: FourValues; veilCdM2: number } {
   const { veil } = glareOf(grid, sky);
-  const light = grid.eyeAt(sky, sample).map((value, i) => value + (veil[4 * sample + i] ?? 0)) as unknown as FourValues;
-  return { light, veilCdM2: veil[4 * sample + 1] ?? 0 };
+  const at = (i: number) => veil[4 * sample + i] as number;
+  const [x, y, z, scotopic] = grid.eyeAt(sky, sample);
+  return { light: [x + at(0), y + at(1), z + at(2), scotopic + at(3)], veilCdM2: at(1) };
 }
 
 export function shadingOf(grid: SkyGrid, look: PictureLook): Shading {
