@@ -126,6 +126,26 @@ mod tests {
         );
     }
 
+    /// The viewer's eye has the same values in a test of its own (`web/src/sky/eye.test.ts`).
+    #[test]
+    fn the_viewer_has_the_same_eye() {
+        for (light, veil_cd_m2, adaptation_cd_m2, wanted) in [
+            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1e-5, 2.5e-4, [43, 47, 61]),
+            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1e-5, 2.5e-4, [66, 72, 91]),
+            ([0.034, 0.03, 0.006, 0.02], 1e-3, 0.02, [85, 78, 85]),
+            ([0.35, 0.3, 0.05, 0.2], 0.01, 0.02, [220, 164, 134]),
+            ([1.9, 2.0, 2.2, 4.8], 0.5, 1.0, [146, 147, 148]),
+            ([2400.0, 2500.0, 2700.0, 6000.0], 100.0, 0.01, [250, 245, 245]),
+        ] {
+            let eye = Eye::new(0.0, adaptation_cd_m2);
+            let rgb = eye.encoded(eye.linear(light, veil_cd_m2));
+            assert!(
+                rgb.iter().zip(wanted).all(|(byte, wanted)| byte.abs_diff(wanted) <= 1),
+                "{rgb:?} for {wanted:?}"
+            );
+        }
+    }
+
     proptest! {
         /// More light is never darker in the display's luminance.
         #[test]

@@ -174,7 +174,16 @@ mod tests {
             let ratio = veil_per_lx(angle_deg) / (10.0 / (angle_deg * angle_deg));
             assert!((0.6..1.2).contains(&ratio), "{angle_deg}: {ratio}");
         }
-        assert!((veil_per_lx(1.0) - 15.3).abs() < 0.1, "{}", veil_per_lx(1.0));
+        // The viewer's values.
+        for (angle_deg, wanted) in
+            [(0.5, 101.1682), (1.0, 15.31933), (5.0, 0.3023977), (20.0, 0.01829626), (60.0, 0.003636483)]
+        {
+            assert!(
+                (veil_per_lx(angle_deg) / wanted - 1.0).abs() < 1e-6,
+                "{angle_deg}: {}",
+                veil_per_lx(angle_deg)
+            );
+        }
         assert!(veil_per_lx(0.0) == veil_per_lx(0.1));
     }
 
