@@ -7,8 +7,6 @@ import { SkySession } from "./data/sky-session.ts";
 import { chooseLanguage } from "./language/words.ts";
 import { Lights } from "./lights/lights.ts";
 import { MapPanel } from "./map/map-panel.ts";
-import { Legend } from "./sky/legend.ts";
-import { SkyView } from "./sky/sky-view.ts";
 import { AppStore } from "./state/app-store.ts";
 import type { Place } from "./state/view-state.ts";
 import { AirControls } from "./ui/air-controls.ts";
@@ -49,8 +47,6 @@ mountPictureControls(store);
 mountLightsControls(store);
 mountLayerPanel(store);
 mountSummary(store);
-new Legend(store);
-new SkyView(byId("sky-view", HTMLElement), store);
 
 let paintCard: PaintCard | null = null;
 let isAsked = false;
@@ -60,8 +56,10 @@ const map = new MapPanel(store, (area) => {
 store.watch(["place", "isAway"], ({ place, isAway }) => {
   if (place === null || isAway || isAsked) return;
   isAsked = true;
-  import("./ui/place-cards.ts")
-    .then(({ mountPlaceCards }) => {
+  Promise.all([import("./sky/sky-view.ts"), import("./sky/legend.ts"), import("./ui/place-cards.ts")])
+    .then(([{ SkyView }, { Legend }, { mountPlaceCards }]) => {
+      new Legend(store);
+      new SkyView(byId("sky-view", HTMLElement), store);
       paintCard = mountPlaceCards(store, lights, map);
     })
     .catch(() => {

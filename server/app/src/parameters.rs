@@ -239,7 +239,7 @@ parameters! {
     /// Horizontal field of view of a perspective.
     FOV = "fov", Kind::Number { minimum: 1.0, maximum: 150.0, unit: DEGREES }, "90", false;
     /// False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to
-    /// the night: with the natural sky, unless `sky` says otherwise.
+    /// it: with the natural sky, unless `sky` says otherwise.
     STYLE = "style", Kind::Choice(&["false_colour", "realistic", "eye"]), "false_colour", false;
     /// Colour map of false colour, all readable without colour vision.
     COLORMAP = "colormap", Kind::Choice(&["inferno", "magma", "plasma", "viridis", "cividis", "grey"]), "inferno", false;
@@ -260,6 +260,8 @@ parameters! {
     /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under
     /// snow.
     GROUND = "ground", Kind::Choice(&["dark", "lit", "snow"]), "dark", false;
+    /// Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky.
+    ADAPTATION = "adaptation", Kind::Number { minimum: 1e-4, maximum: 1e5, unit: " cd/m2" }, "", false;
     /// Width of the sky in the picture; the default depends on projection and format.
     WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
     /// Height of the sky in the picture, without the legend; the default depends on projection and format. Width times
@@ -283,7 +285,8 @@ parameters! {
 }
 
 /// Parameters that others exclude, or that mean something beside others alone.
-const CONDITIONAL: [Parameter; 8] = [HEIGHT, SOLAR_FLUX, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE];
+const CONDITIONAL: [Parameter; 9] =
+    [HEIGHT, SOLAR_FLUX, AZIMUTH, ELEVATION, FOV, COLORMAP, SCALE, EXPOSURE, ADAPTATION];
 
 /// A set of parameters for `#[utoipa::path(params(…))]` and for the reader.
 pub trait ParameterSet {
@@ -406,7 +409,7 @@ parameter_sets! {
     /// Those of a panorama as a picture.
     PanoramaParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
-        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, GROUND, WIDTH,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
 }

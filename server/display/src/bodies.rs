@@ -206,7 +206,7 @@ mod tests {
     fn seen(bodies: &SkyBodies, luminance_cd_m2: f64, projection: Projection) -> image::RgbImage {
         let options = PictureOptions {
             legend: false,
-            style: Style::Eye { exposure_ev: 0.0 },
+            style: Style::Eye { exposure_ev: 0.0, adaptation_cd_m2: None },
             ..PictureOptions::new(projection)
         };
         let sky = grey_sky(|_, _| luminance_cd_m2);
@@ -278,7 +278,7 @@ mod tests {
         let horizon = Horizon::new(vec![0.5; skyglow_physics::AZIMUTH_COUNT]).unwrap();
         let options = PictureOptions {
             legend: false,
-            style: Style::Eye { exposure_ev: 0.0 },
+            style: Style::Eye { exposure_ev: 0.0, adaptation_cd_m2: None },
             ..PictureOptions::new(Projection::Fisheye)
         };
         let draw = |elevation_deg| {

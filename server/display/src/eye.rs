@@ -1,50 +1,58 @@
-//! The sky as the dark-adapted eye sees it: mesopic brightness (CIE 191:2010), the response of photoreceptors (Naka and Rushton 1966),
-//! colour that fades to blue-grey where cones see nothing (Jensen et al. 2000).
+//! The sky as the eye sees it: mesopic brightness (CIE 191:2010), the response of photoreceptors (Naka and Rushton 1966) adapted to the
+//! sky and shown before a dark surround (Bartleson and Breneman 1967), colour that fades to blue-grey where cones see nothing (Jensen et
+//! al. 2000).
 
 use crate::realistic::{SRGB_FROM_XYZ, SrgbBytes};
 use skyglow_physics::mesopic::mesopic;
 
 /// Exponent of the response of photoreceptors (Boynton and Whitten 1970).
 const RESPONSE_EXPONENT: f64 = 0.73;
-/// Mesopic luminance that an eye adapted to the night sees as half of the brightest, cd m⁻². Fixed, so that two skies compare: a sky
-/// of 22 mag arcsec⁻² is then a near-black blue-grey, the dome of a city a middle tone, a full moon white.
-const HALF_BRIGHTNESS_CD_M2: f64 = 0.25;
-/// Chromaticity of what rods alone see: half-way from white (D65) to the blue that painters and viewers choose for moonlight,
-/// (0.25, 0.25).
-const ROD_CHROMATICITY: [f64; 2] = [0.281, 0.290];
+/// Half of the brightest response is at so many times the luminance adapted to, cd m⁻², to a power: by eye, so that a dark sky is
+/// near-black, a city's a dark grey and dusk a middle tone.
+const ADAPTATION_SCALE: f64 = 1.3;
+const ADAPTATION_EXPONENT: f64 = 0.7;
+/// Of contrast: 1.5 is what a picture in the dark needs, and the rest is by eye, so that the Milky Way stands out as it does outside.
+const CONTRAST_EXPONENT: f64 = 2.0;
+/// Chromaticity of what rods alone see: two thirds of the way from white (D65) to the blue that painters and viewers choose for
+/// moonlight, (0.25, 0.25). As cones see more, it turns white.
+const ROD_CHROMATICITY: [f64; 2] = [0.271, 0.276];
+/// Chromaticity of D65.
+const WHITE: [f64; 2] = [0.3127, 0.3290];
+/// Luminances that an eye can be adapted to, cd m⁻².
+pub const ADAPTATION_RANGE_CD_M2: (f64, f64) = (1e-4, 1e5);
 
 /// X, Y, Z and scotopic luminance, cd m⁻².
 pub type Seen = [f64; 4];
 
-/// An eye at one exposure.
+/// An eye at one exposure that is adapted to a luminance.
 #[derive(Clone, Debug)]
 pub struct Eye {
-    half_brightness_cd_m2: f64,
+    gain: f64,
+    adaptation_cd_m2: f64,
     bytes: SrgbBytes,
 }
 
 impl Eye {
-    /// An eye whose pupil lets through `exposure_ev` stops more than one adapted to the night.
-    pub fn new(exposure_ev: f64) -> Self {
-        Self {
-            half_brightness_cd_m2: HALF_BRIGHTNESS_CD_M2 / exposure_ev.exp2(),
-            bytes: SrgbBytes::default(),
-        }
+    /// An eye adapted to `adaptation_cd_m2` whose pupil lets through `exposure_ev` stops more.
+    pub fn new(exposure_ev: f64, adaptation_cd_m2: f64) -> Self {
+        Self { gain: exposure_ev.exp2(), adaptation_cd_m2, bytes: SrgbBytes::default() }
     }
 
-    /// Linear sRGB, 0..=1, of what is seen.
-    pub fn linear(&self, [x, y, z, scotopic]: Seen) -> [f64; 3] {
+    /// Linear sRGB, 0..=1, of what is seen, of which `veil_cd_m2` is a veil that the eye is adapted to there.
+    pub fn linear(&self, [x, y, z, scotopic]: Seen, veil_cd_m2: f64) -> [f64; 3] {
         let mesopic = mesopic(y, scotopic);
+        let adaptation_cd_m2 = (self.adaptation_cd_m2 + veil_cd_m2).max(ADAPTATION_RANGE_CD_M2.0);
+        let half_cd_m2 = ADAPTATION_SCALE * adaptation_cd_m2.powf(ADAPTATION_EXPONENT) / self.gain;
         let power = mesopic.luminance_cd_m2.max(0.0).powf(RESPONSE_EXPONENT);
-        let shown = power / (power + self.half_brightness_cd_m2.powf(RESPONSE_EXPONENT));
+        let shown = (power / (power + half_cd_m2.powf(RESPONSE_EXPONENT))).powf(CONTRAST_EXPONENT);
         if shown <= 0.0 {
             return [0.0; 3];
         }
-        let [rod_x, rod_y] = ROD_CHROMATICITY;
-        let rods = [rod_x / rod_y, 1.0, (1.0 - rod_x - rod_y) / rod_y];
-        let cones = if y > 0.0 { [x / y, 1.0, z / y] } else { rods };
+        let [blue, white] = [ROD_CHROMATICITY, WHITE].map(|[x, y]| [x / y, 1.0, (1.0 - x - y) / y]);
         // Colour is there as far as cones see, and no further.
         let share = mesopic.cone_share;
+        let rods: [f64; 3] = std::array::from_fn(|i| share * white[i] + (1.0 - share) * blue[i]);
+        let cones = if y > 0.0 { [x / y, 1.0, z / y] } else { rods };
         let xyz: [f64; 3] = std::array::from_fn(|i| shown * (share * cones[i] + (1.0 - share) * rods[i]));
         let linear = SRGB_FROM_XYZ.map(|row| row.iter().zip(xyz).map(|(m, v)| m * v).sum::<f64>());
         within_display(linear, shown)
@@ -84,31 +92,67 @@ mod tests {
             .map(|response| scale * response.value_of(spectrum))
     }
 
-    fn bytes(seen: Seen) -> [u8; 3] {
-        let eye = Eye::new(0.0);
-        eye.encoded(eye.linear(seen))
+    fn bytes(seen: Seen, adaptation_cd_m2: f64) -> [u8; 3] {
+        let eye = Eye::new(0.0, adaptation_cd_m2);
+        eye.encoded(eye.linear(seen, 0.0))
     }
 
     /// A pristine sky is a near-black blue-grey whatever its light, a city's dome has its lamps' colour, and bright light is white.
     #[test]
     fn night_looks_like_night() {
         for lamp in [LampPreset::Hps, LampPreset::Led5000k] {
-            let [red, green, blue] = bytes(lit(lamp, 2e-4));
+            let [red, green, blue] = bytes(lit(lamp, 2e-4), 2e-4);
             assert!(red < green && green < blue && (15..70).contains(&blue), "{red} {green} {blue}");
         }
-        let [red, _, blue] = bytes(lit(LampPreset::Hps, 0.3));
+        let [red, _, blue] = bytes(lit(LampPreset::Hps, 0.3), 0.02);
         assert!(red > blue + 40, "{red} {blue}");
-        assert!(bytes(lit(LampPreset::Led5000k, 3e3)).iter().all(|byte| *byte > 245));
-        assert_eq!(bytes([0.0; 4]), [0; 3]);
+        assert!(bytes(lit(LampPreset::Led5000k, 3e3), 0.02).iter().all(|byte| *byte > 245));
+        assert_eq!(bytes([0.0; 4], 2e-4), [0; 3]);
+    }
+
+    /// Twice the light of a dark sky, as the Milky Way has, stands out; the same sky is darker to an eye that comes from a town.
+    #[test]
+    fn the_milky_way_stands_out() {
+        let green = |luminance_cd_m2, adaptation_cd_m2| {
+            f64::from(bytes(lit(LampPreset::Led5000k, luminance_cd_m2), adaptation_cd_m2)[1])
+        };
+        let (faint, bright) = (green(2e-4, 2.5e-4), green(4e-4, 2.5e-4));
+        assert!(bright > 1.5 * faint && bright > faint + 15.0, "{faint} {bright}");
+        assert!(green(2e-4, 2e-2) < 10.0, "{}", green(2e-4, 2e-2));
+        let eye = Eye::new(0.0, 2.5e-4);
+        assert!(
+            eye.linear(lit(LampPreset::Led5000k, 0.1), 0.09)[1]
+                < eye.linear(lit(LampPreset::Led5000k, 0.1), 0.0)[1]
+        );
+    }
+
+    /// The viewer's eye has the same values in a test of its own (`web/src/sky/eye.test.ts`).
+    #[test]
+    fn the_viewer_has_the_same_eye() {
+        for (light, veil_cd_m2, adaptation_cd_m2, wanted) in [
+            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1e-5, 2.5e-4, [43, 47, 61]),
+            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1e-5, 2.5e-4, [66, 72, 91]),
+            ([0.034, 0.03, 0.006, 0.02], 1e-3, 0.02, [85, 78, 85]),
+            ([0.35, 0.3, 0.05, 0.2], 0.01, 0.02, [220, 164, 134]),
+            ([1.9, 2.0, 2.2, 4.8], 0.5, 1.0, [146, 147, 148]),
+            ([2400.0, 2500.0, 2700.0, 6000.0], 100.0, 0.01, [250, 245, 245]),
+        ] {
+            let eye = Eye::new(0.0, adaptation_cd_m2);
+            let rgb = eye.encoded(eye.linear(light, veil_cd_m2));
+            assert!(
+                rgb.iter().zip(wanted).all(|(byte, wanted)| byte.abs_diff(wanted) <= 1),
+                "{rgb:?} for {wanted:?}"
+            );
+        }
     }
 
     proptest! {
         /// More light is never darker in the display's luminance.
         #[test]
         fn more_light_is_never_darker(exponent in -6.0..3.0_f64, more in 1.0..10.0_f64) {
-            let eye = Eye::new(0.0);
+            let eye = Eye::new(0.0, 1e-3);
             let luminance = |seen: Seen| {
-                let [red, green, blue] = eye.linear(seen);
+                let [red, green, blue] = eye.linear(seen, 0.0);
                 0.2126 * red + 0.7152 * green + 0.0722 * blue
             };
             let seen = lit(LampPreset::Mixed, 10f64.powf(exponent));
@@ -117,7 +161,7 @@ mod tests {
 
         #[test]
         fn every_channel_fits_the_display(x in 0.0..2.0_f64, y in 0.0..2.0_f64, z in 0.0..2.0_f64, s in 0.0..5.0_f64) {
-            prop_assert!(Eye::new(3.0).linear([x, y, z, s]).iter().all(|channel| (0.0..=1.0).contains(channel)));
+            prop_assert!(Eye::new(3.0, 1e-3).linear([x, y, z, s], 0.0).iter().all(|channel| (0.0..=1.0).contains(channel)));
         }
     }
 }

@@ -109,12 +109,14 @@ pub(crate) fn draw_strip(
         Style::FalseColour { colormap, range } => {
             draw_bar(canvas, options, (range, response), beyond, |t| colormap.rgb(t))
         }
-        Style::Eye { exposure_ev } => {
+        Style::Eye { exposure_ev, adaptation_cd_m2 } => {
             let scale = scale(options.width_px);
             let pen = Pen::new(13.0 * scale)?;
             let top = options.height_px as f32;
             let shift = if exposure_ev == 0.0 { String::new() } else { format!(", {exposure_ev:+.1} EV") };
-            let words = format!("as the dark-adapted eye sees it{shift}");
+            let adapted =
+                adaptation_cd_m2.map_or(String::new(), |cd_m2| format!(", adapted to {cd_m2:.2e} cd/m²"));
+            let words = format!("as the eye sees it{adapted}{shift}");
             pen.draw(canvas, &words, (10.0 * scale, top + 10.0 * scale), Align::Left, LABEL_RGB);
             pen.draw(canvas, light(options.sky), (10.0 * scale, top + 32.0 * scale), Align::Left, LABEL_RGB);
             Ok(())

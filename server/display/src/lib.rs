@@ -7,7 +7,7 @@
 //! ```
 //! Pictures and rasters have the zenith at the top and north in column 0; [`SeenSky`] counts rows from the
 //! horizon up. Exposure and colour range are fixed by the caller or by constants here, never taken from the
-//! picture, so two places can be compared by eye.
+//! picture, so two places can be compared by eye; the eye alone adapts to the sky, unless the caller says to what.
 //!
 //! [`SeenSky`]: skyglow_physics::SeenSky
 
@@ -20,6 +20,7 @@ pub mod eye;
 pub mod false_colour;
 #[cfg(test)]
 mod fixtures;
+pub mod glare;
 pub mod ground;
 pub mod legend;
 mod lit;

@@ -125,7 +125,7 @@ mod tests {
     fn options(projection: Projection) -> PictureOptions {
         PictureOptions {
             legend: false,
-            style: Style::Eye { exposure_ev: 0.0 },
+            style: Style::Eye { exposure_ev: 0.0, adaptation_cd_m2: None },
             ground: GroundStyle::Lit,
             ..PictureOptions::new(projection)
         }

@@ -3,6 +3,7 @@
 use crate::{
     colormap::Colormap,
     error::{DisplayError, check},
+    eye::ADAPTATION_RANGE_CD_M2,
     false_colour::ColourRange,
     realistic::EXPOSURE_RANGE_EV,
 };
@@ -108,10 +109,12 @@ pub enum Style {
         /// What the map's ends mean.
         range: ColourRange,
     },
-    /// As the eye sees it that is adapted to the night.
+    /// As the eye sees it.
     Eye {
-        /// Stops above that eye, [`EXPOSURE_RANGE_EV`].
+        /// Stops above the adapted eye, [`EXPOSURE_RANGE_EV`].
         exposure_ev: f64,
+        /// Luminance that it is adapted to, [`ADAPTATION_RANGE_CD_M2`]; None: the mean of the sky.
+        adaptation_cd_m2: Option<f64>,
     },
     /// As a camera with a fixed exposure would show it.
     Realistic {
@@ -199,11 +202,18 @@ impl PictureOptions {
                 Err(DisplayError::LitInFalseColour)
             }
             Style::FalseColour { range, .. } => range.check(),
-            Style::Realistic { exposure_ev } | Style::Eye { exposure_ev } => {
-                check("exposure", exposure_ev, EXPOSURE_RANGE_EV.0, EXPOSURE_RANGE_EV.1, " EV")
+            Style::Realistic { exposure_ev } => check_exposure(exposure_ev),
+            Style::Eye { exposure_ev, adaptation_cd_m2 } => {
+                let (darkest, brightest) = ADAPTATION_RANGE_CD_M2;
+                check_exposure(exposure_ev)?;
+                check("adaptation", adaptation_cd_m2.unwrap_or(darkest), darkest, brightest, " cd/m2")
             }
         }
     }
+}
+
+fn check_exposure(exposure_ev: f64) -> Result<(), DisplayError> {
+    check("exposure", exposure_ev, EXPOSURE_RANGE_EV.0, EXPOSURE_RANGE_EV.1, " EV")
 }
 
 /// Checks a width and height in pixels.

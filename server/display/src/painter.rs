@@ -5,6 +5,7 @@ use crate::{
     colour_bins::ColourBins,
     error::DisplayError,
     eye::{Eye, Seen},
+    glare::{Glare, Halo},
     ground::{DARK_TERRAIN_RGB, TERRAIN_RGB},
     legend::Beyond,
     options::{PictureOptions, Style},
@@ -24,6 +25,8 @@ pub(crate) enum Painter<'a> {
     },
     Eye {
         sampler: Sampler<'a, 4>,
+        glare: Box<Glare>,
+        halos: Vec<Halo>,
         /// Linear sRGB that the eye makes of every sample of the grid: between them colours are interpolated.
         linear: Vec<[f32; 3]>,
         eye: Box<Eye>,
@@ -39,6 +42,7 @@ impl<'a> Painter<'a> {
         seen: &'a SeenSky,
         response: &Response,
         options: &PictureOptions,
+        halos: Vec<Halo>,
     ) -> Result<Self, DisplayError> {
         let plane =
             |of: &Response| seen.seen_by(of).ok_or_else(|| DisplayError::NotSeen { response: of.name() });
@@ -53,16 +57,18 @@ impl<'a> Painter<'a> {
                     bins: Box::new(ColourBins::new((dark, bright))),
                 }
             }
-            Style::Eye { exposure_ev } => {
+            Style::Eye { exposure_ev, adaptation_cd_m2 } => {
                 let [x, y, z, scotopic] = SKY_RESPONSES.each_ref().map(plane);
                 let planes = [x?, y?, z?, scotopic?];
-                let eye = Box::new(Eye::new(exposure_ev));
+                let glare = Box::new(Glare::new(planes, &halos));
+                let eye = Box::new(Eye::new(exposure_ev, adaptation_cd_m2.unwrap_or(glare.mean_cd_m2)));
                 let of_sample = |at: usize| -> [f32; 3] {
-                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]));
-                    eye.linear(seen).map(|channel| channel as f32)
+                    let veil = glare.veil[at].map(f64::from);
+                    let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + veil[i]);
+                    eye.linear(seen, veil[1]).map(|channel| channel as f32)
                 };
                 let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
-                Painter::Eye { sampler: Sampler::new(planes), linear, eye }
+                Painter::Eye { sampler: Sampler::new(planes), glare, halos, linear, eye }
             }
             Style::Realistic { exposure_ev } => {
                 let [x, y, z, _] = &SKY_RESPONSES;
@@ -90,12 +96,16 @@ impl<'a> Painter<'a> {
                 beyond.note(luminance, *ends_cd_m2);
                 Some(table[bins.entry(luminance)])
             }
-            Painter::Eye { sampler, linear, eye } => {
-                if let Some(body) = body {
-                    let sky = sampler.values(direction)?;
-                    return Some(eye.encoded(eye.linear(std::array::from_fn(|i| sky[i] + body[i]))));
-                }
+            Painter::Eye { sampler, glare, halos, linear, eye } => {
                 let taps = taps(direction)?;
+                let mut near = halos.iter().filter_map(|halo| halo.near(direction)).peekable();
+                if body.is_some() || near.peek().is_some() {
+                    let (mut light, mut veil) = (sampler.values(direction)?, glare.at(&taps));
+                    near.for_each(|more| veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more));
+                    let body = body.copied().unwrap_or_default();
+                    light.iter_mut().enumerate().for_each(|(i, light)| *light += veil[i] + body[i]);
+                    return Some(eye.encoded(eye.linear(light, veil[1])));
+                }
                 let [a, b, c, d] = taps.offset.map(|at| linear[at]);
                 let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);
                 let channel = |i: usize| of_a * a[i] + of_b * b[i] + of_c * c[i] + of_d * d[i];
@@ -111,11 +121,19 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The colour of light; None in false colours.
-    pub(crate) fn rgb_of(&self, light: &Seen) -> Option<[u8; 3]> {
+    /// The colour of light from the ground in a direction, behind the veil of the sky above it; None in false colours.
+    pub(crate) fn ground_rgb(&self, direction: Direction, mut light: Seen) -> Option<[u8; 3]> {
         match self {
             Painter::FalseColour { .. } => None,
-            Painter::Eye { eye, .. } => Some(eye.encoded(eye.linear(*light))),
+            Painter::Eye { glare, halos, eye, .. } => {
+                let above = Direction { elevation_rad: direction.elevation_rad.max(0.0), ..direction };
+                let mut veil = glare.at(&taps(above)?);
+                for more in halos.iter().filter_map(|halo| halo.near(direction)) {
+                    veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more);
+                }
+                light.iter_mut().zip(veil).for_each(|(light, veil)| *light += veil);
+                Some(eye.encoded(eye.linear(light, veil[1])))
+            }
             Painter::Realistic { tone_map, .. } => Some(tone_map.rgb([light[0], light[1], light[2]])),
         }
     }

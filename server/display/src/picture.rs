@@ -5,6 +5,7 @@ use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
     eye::Seen,
+    glare::Halo,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     lit::LitPicture,
@@ -49,7 +50,7 @@ pub fn picture_with(
 ) -> Result<RgbImage, DisplayError> {
     options.check()?;
     let seen = without_ground(seen, horizon);
-    let painter = Painter::new(&seen, response, options)?;
+    let painter = Painter::new(&seen, response, options, Halo::of(&bodies.discs, horizon))?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
@@ -186,7 +187,7 @@ fn lit_rgb(
         None => *light,
     };
     if let Some(ground) = lit.ground(direction) {
-        return painter.rgb_of(&with_lamps(&ground));
+        return painter.ground_rgb(direction, with_lamps(&ground));
     }
     let above = Direction { elevation_rad: direction.elevation_rad.max(0.0), ..direction };
     let before = with_lamps(body.unwrap_or(&[0.0; 4]));
@@ -266,7 +267,7 @@ mod tests {
             let fast = picture(&panorama, &horizon, &options).unwrap();
             let shown = without_ground(&panorama, &horizon);
             let (painter, mut ground) = (
-                Painter::new(&shown, &Response::Photopic, &options).unwrap(),
+                Painter::new(&shown, &Response::Photopic, &options, Vec::new()).unwrap(),
                 GroundMap::new(&horizon, (640, 150)),
             );
             let view = View::new(options.projection, 640, 150);

@@ -6735,7 +6735,7 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. Default: false_colour. */
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to it: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. Default: false_colour. */
                 style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
@@ -6747,6 +6747,8 @@ export interface operations {
                 max?: string;
                 /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
+                /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
+                adaptation?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
@@ -7220,7 +7222,7 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to it: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
                 style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
@@ -7232,6 +7234,8 @@ export interface operations {
                 max?: string;
                 /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
+                /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
+                adaptation?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
@@ -7686,7 +7690,7 @@ export interface operations {
                 elevation?: number;
                 /** @description Horizontal field of view of a perspective. Allowed: 1 to 150 degrees. Default: 90. */
                 fov?: number;
-                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to the night: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
+                /** @description False colour on a fixed scale, `realistic` as a camera at a fixed exposure has it, or `eye` as the eye sees it that is adapted to it: with the natural sky, unless `sky` says otherwise. Allowed: false_colour, realistic, eye. */
                 style?: "false_colour" | "realistic" | "eye";
                 /** @description Colour map of false colour, all readable without colour vision. Allowed: inferno, magma, plasma, viridis, cividis, grey. Default: inferno. */
                 colormap?: "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "grey";
@@ -7698,6 +7702,8 @@ export interface operations {
                 max?: string;
                 /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
+                /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
+                adaptation?: number;
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */

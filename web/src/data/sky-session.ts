@@ -85,6 +85,8 @@ export class SkySession {
       const [answers, other] = await Promise.all([
         Promise.all(both.map((query) => api.panorama(scene, query, signal))),
         compared === null ? null : api.sky(scene, compared, signal),
+        // What draws it: whoever is told of a picture then sees one.
+        import("../sky/sky-view.ts"),
       ]);
       const isToday = shown.scenario === undefined;
       const [before, after] = isToday ? [answer, other] : [other, answer];

@@ -111,6 +111,9 @@ export const english = {
     eye: "as the eye sees it",
     realistic: "as a camera sees it",
     exposure: "Exposure",
+    keepAdaptation: "Keep the eye as it is",
+    keepAdaptationWhy:
+      "The eye adapts to the sky it sees. Kept as it is, it shows other skies beside this one in their true relation.",
     unit: "Unit",
     unitRatio: "× natural sky",
   },

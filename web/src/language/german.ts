@@ -106,6 +106,9 @@ export const german: Words = {
     eye: "wie das Auge",
     realistic: "wie eine Kamera",
     exposure: "Belichtung",
+    keepAdaptation: "Auge so lassen",
+    keepAdaptationWhy:
+      "Das Auge stellt sich auf den Himmel ein, den es sieht. Bleibt es, wie es ist, zeigt es andere Himmel im wahren Verhältnis zu diesem.",
     unit: "Einheit",
     unitRatio: "× natürlich",
   },

@@ -56,6 +56,16 @@ export function colourTexture(gl: WebGL2RenderingContext, rgb: Uint8ClampedArray
   });
 }
 
+/** What is on a canvas, with colours premultiplied. */
+export function pictureTexture(gl: WebGL2RenderingContext, source: HTMLCanvasElement) {
+  return texture(gl, () => {
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, source);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    return gl.LINEAR;
+  });
+}
+
 function texture(gl: WebGL2RenderingContext, fill: () => number): WebGLTexture {
   const made = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, made);

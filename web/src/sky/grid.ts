@@ -83,6 +83,20 @@ export class SkyGrid {
     return [value(x), value(photopic), value(z), value(scotopic)];
   }
 
+  /** Between samples of four numbers each, in any direction. */
+  between(samples: Float32Array, azimuthDeg: number, elevationDeg: number): FourValues {
+    const { azimuthCount, elevationCount } = this;
+    const across = (azimuthDeg - this.azimuthFirstDeg) / this.azimuthStepDeg + azimuthCount;
+    const up = Math.min(Math.max((elevationDeg - this.elevationFirstDeg) / this.elevationStepDeg, 0), elevationCount - 1);
+    const [left, low] = [Math.floor(across), Math.min(Math.floor(up), elevationCount - 2)];
+    const [right, above] = [across - left, up - low];
+    const at = (row: number, column: number, i: number) => samples[4 * (row * azimuthCount + (column % azimuthCount)) + i] ?? 0;
+    const value = (i: number) =>
+      (1 - above) * ((1 - right) * at(low, left, i) + right * at(low, left + 1, i)) +
+      above * ((1 - right) * at(low + 1, left, i) + right * at(low + 1, left + 1, i));
+    return [value(0), value(1), value(2), value(3)];
+  }
+
   /** What is seen at a sample of the grid, where no ground hides it. */
   valueAt(kind: SkyKind, sample: number): number {
     const { values, added } = this.ofResponse[kind];

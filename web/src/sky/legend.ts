@@ -14,6 +14,7 @@ import { valueFor } from "./grid.ts";
 import { cameraGrey } from "./realistic.ts";
 import { SCALE, scalePosition } from "./scale.ts";
 import type { Seen } from "./seen.ts";
+import { adaptationOf } from "./shading.ts";
 import { type BrightnessUnit, type Tick, ticks, unitBeside, unitFor } from "./units.ts";
 
 /** Steps of the gradient of greys. */
@@ -22,12 +23,12 @@ const GREYS = 40;
 const WHITE: FourValues = [0.9505, 1, 1.0888, 2.47];
 
 /** The colours that luminances of white light along the scale are shown as. */
-function lightGradient(colours: "eye" | "realistic", exposureEv: number): string {
+function lightGradient(colours: "eye" | "realistic", exposureEv: number, adaptationCdM2: number): string {
   const span = SCALE.faintestMagArcsec2 - SCALE.brightestMagArcsec2;
   const stops = Array.from({ length: GREYS + 1 }, (_, i) => {
     const luminanceCdM2 = luminanceFromBrightnessCdM2(SCALE.faintestMagArcsec2 - (i / GREYS) * span);
     if (colours === "eye")
-      return `rgb(${eyeBytes(WHITE.map((part) => part * luminanceCdM2) as unknown as FourValues, exposureEv)})`;
+      return `rgb(${eyeBytes(WHITE.map((part) => part * luminanceCdM2) as unknown as FourValues, exposureEv, adaptationCdM2)})`;
     const grey = cameraGrey(luminanceCdM2, exposureEv);
     return `rgb(${grey}, ${grey}, ${grey})`;
   });
@@ -42,6 +43,14 @@ function round(value: string): string {
   return digits === "" || digits.startsWith(" ") ? `${whole}${digits}` : `${whole}${point}${digits}`;
 }
 
+/** What white light is shown as before a sky of this mean luminance, where there is no sky yet: the dark reference. */
+const NO_SKY_CD_M2 = 2e-4;
+
+/** The luminance that the eye is adapted to. */
+function adaptationIn(state: Readonly<AppState>): number {
+  return state.panorama === null ? (state.adaptationCdM2 ?? NO_SKY_CD_M2) : adaptationOf(state.panorama, state);
+}
+
 export class Legend {
   private readonly container = byId("legend", HTMLElement);
   private readonly title = byId("legend-title", HTMLElement);
@@ -52,7 +61,7 @@ export class Legend {
   constructor(store: AppStore) {
     this.bar.append(this.pointer);
     this.container.append(this.bar, this.ticks);
-    store.watch(["colours", "exposureEv", "unit", seenOf], (state) => this.show(state));
+    store.watch(["colours", "exposureEv", "unit", seenOf, adaptationIn], (state) => this.show(state));
     store.watch(["pointed", "sky"], (state) => {
       const { pointed, sky } = state;
       const value = pointed === null || pointed.isBelowHorizon ? 0 : valueFor(pointed, sky);
@@ -67,7 +76,9 @@ export class Legend {
     const unit = unitFor(state.unit, seen);
     this.container.dataset.unit = unit;
     this.title.textContent = legendTitle(unit, seen);
-    this.bar.style.background = isOfLight(colours) ? lightGradient(colours, exposureEv) : colourGradient(colours);
+    this.bar.style.background = isOfLight(colours)
+      ? lightGradient(colours, exposureEv, adaptationIn(state))
+      : colourGradient(colours);
     this.ticks.replaceChildren(...ticks(unit, seen).map((mark) => tickElement(mark, unit, seen)));
   }
 }

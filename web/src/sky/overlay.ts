@@ -1,62 +1,47 @@
 // What is drawn over the sky: the terrain's horizon, towns, the curve of a region and the cross of the readout.
 
 import type { SkyGrid } from "./grid.ts";
-import { clip, font, stroke, trace } from "./lines.ts";
+import { clip, type Drawing, font, type Line, type Name, type Point, pieces, stroke, trace } from "./lines.ts";
 import type { Plot, Projection, SkyDirection } from "./projection.ts";
 import { outline, type Region } from "./region.ts";
 import type { TownOnHorizon } from "./towns.ts";
 
 /** The terrain's skyline, where there is one. */
-export function drawHorizon(context: CanvasRenderingContext2D, projection: Projection, plot: Plot, grid: SkyGrid): void {
-  if (!grid.horizonDeg.some((elevationDeg) => elevationDeg > 0)) return;
+export function skyline(projection: Projection, grid: SkyGrid): Line[] {
+  if (!grid.horizonDeg.some((elevationDeg) => elevationDeg > 0)) return [];
   // Once around: to the first column again, which lies at the strip's right edge or where the disc closes.
-  const skyline = Array.from({ length: grid.azimuthCount + 1 }, (_, column) => {
+  const directions = Array.from({ length: grid.azimuthCount + 1 }, (_, column) => {
     const azimuthDeg = grid.azimuthFirstDeg + column * grid.azimuthStepDeg;
     return { azimuthDeg, elevationDeg: Math.max(grid.horizonAt(azimuthDeg), 0) };
   });
-  context.save();
-  if (projection.name === "perspective") clip(context, plot);
-  context.lineWidth = 1.2;
-  context.strokeStyle = "rgb(164, 156, 144)";
-  trace(context, projection, skyline);
-  context.restore();
+  return pieces(projection, directions).map((points) => ({ points, ink: [164, 156, 144, 1], widthPx: 1.2 }));
 }
 
 /** Names of the towns behind the glow, over the place on the horizon where it is; `fieldDeg` of the sky is the plot high. */
-export function drawTowns(
-  context: CanvasRenderingContext2D,
+export function townsOver(
   projection: Projection,
   plot: Plot,
   fieldDeg: number,
   grid: SkyGrid,
   towns: readonly TownOnHorizon[],
-): void {
-  context.font = font(11, 550);
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
+): Drawing {
   const nameHeightDeg = projection.name === "fisheye" ? 9 : (17 / plot.heightPx) * fieldDeg;
-  for (const { name, azimuthDeg } of towns) {
+  const rightPx = plot.leftPx + plot.widthPx;
+  const lines: Line[] = [];
+  const names: Name[] = [];
+  for (const { name: text, azimuthDeg } of towns) {
     const horizonDeg = Math.max(grid.horizonAt(azimuthDeg), 0);
     const foot = projection.pointFromDirection({ azimuthDeg, elevationDeg: horizonDeg });
-    const elevationDeg = horizonDeg + nameHeightDeg;
-    const head = projection.pointFromDirection({ azimuthDeg, elevationDeg });
-    const isInside = head.xPx > plot.leftPx && head.xPx < plot.leftPx + plot.widthPx && head.yPx < plot.topPx + plot.heightPx;
+    const head = projection.pointFromDirection({ azimuthDeg, elevationDeg: horizonDeg + nameHeightDeg });
+    const isInside = head.xPx > plot.leftPx && head.xPx < rightPx && head.yPx < plot.topPx + plot.heightPx;
     if (!isInside) continue;
-    const halfPx = context.measureText(name).width / 2;
-    const rightPx = plot.leftPx + plot.widthPx;
-    const xPx = Math.min(Math.max(head.xPx, plot.leftPx + halfPx + 3), rightPx - halfPx - 3);
-    context.textAlign = "center";
-    context.strokeStyle = "rgba(5, 8, 16, 0.85)";
-    context.lineWidth = 1;
-    stroke(context, [
-      [foot.xPx, foot.yPx],
-      [foot.xPx + 0.45 * (head.xPx - foot.xPx), foot.yPx + 0.45 * (head.yPx - foot.yPx)],
-    ]);
-    context.lineWidth = 3.5;
-    context.strokeText(name, xPx, head.yPx);
-    context.fillStyle = "#ffffff";
-    context.fillText(name, xPx, head.yPx);
+    const half: Point = [foot.xPx + 0.45 * (head.xPx - foot.xPx), foot.yPx + 0.45 * (head.yPx - foot.yPx)];
+    lines.push({ points: [[foot.xPx, foot.yPx], half], ink: [5, 8, 16, 0.85], widthPx: 1 });
+    const within = [plot.leftPx + 3, rightPx - 3] as const;
+    const look = { font: font(11, 550), ink: [255, 255, 255, 1], align: "center", baseline: "middle", hasEdge: true } as const;
+    names.push({ text, at: [head.xPx, head.yPx], within, ...look });
   }
+  return { lines, names, isClipped: false };
 }
 
 export type TownDirection = Pick<TownOnHorizon, "name" | "azimuthDeg">;

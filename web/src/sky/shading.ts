@@ -2,7 +2,9 @@
 // is none. The server interpolates light instead; between samples 1.4° apart no display shows the difference.
 
 import { type ColourMapName, colourTable, type PictureStyle } from "./colour-maps.ts";
+import type { FourValues } from "./compact.ts";
 import { halfPower, seenByEye } from "./eye.ts";
+import { glareOf } from "./glare.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import { filmed, referenceCdM2, seenByCamera } from "./realistic.ts";
 import { logRange } from "./scale.ts";
@@ -20,6 +22,8 @@ export interface PictureLook {
   colours: PictureStyle;
   /** Of the pictures of eye and camera, stops. */
   exposureEv: number;
+  /** Luminance that the eye is adapted to, cd m⁻²; null: the mean of the sky that is shown. */
+  adaptationCdM2: number | null;
 }
 
 export interface Shading {
@@ -30,11 +34,28 @@ export interface Shading {
   groundRgb: readonly [number, number, number];
 }
 
-export function shadingOf(grid: SkyGrid, { sky, colours, exposureEv }: PictureLook): Shading {
+/** The luminance that the eye is adapted to before a sky. */
+export function adaptationOf(grid: SkyGrid, { sky, adaptationCdM2 }: Pick<PictureLook, "sky" | "adaptationCdM2">): number {
+  return adaptationCdM2 ?? glareOf(grid, sky).meanCdM2;
+}
+
+/** Light of a sample with the veil over it, and the luminance of that. */
+export function veiledAt(grid: SkyGrid, sky: SkyKind, sample: number): { light: FourValues; veilCdM2: number } {
+  const { veil } = glareOf(grid, sky);
+  const at = (i: number) => veil[4 * sample + i] as number;
+  const [x, y, z, scotopic] = grid.eyeAt(sky, sample);
+  return { light: [x + at(0), y + at(1), z + at(2), scotopic + at(3)], veilCdM2: at(1) };
+}
+
+export function shadingOf(grid: SkyGrid, look: PictureLook): Shading {
+  const { sky, colours, exposureEv } = look;
   const encoded = (linear: Three) => linear.map(encodeSrgb);
   if (colours === "eye") {
-    const half = halfPower(exposureEv);
-    const texels = texelsOf(grid, (sample) => encoded(seenByEye(grid.eyeAt(sky, sample), half)));
+    const adaptation = adaptationOf(grid, look);
+    const texels = texelsOf(grid, (sample) => {
+      const { light, veilCdM2 } = veiledAt(grid, sky, sample);
+      return encoded(seenByEye(light, halfPower(exposureEv, adaptation + veilCdM2)));
+    });
     return { isTable: false, texels, groundRgb: DARK_GROUND_RGB };
   }
   if (colours === "realistic") {

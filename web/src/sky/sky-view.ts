@@ -1,7 +1,7 @@
 // The picture of the sky, and what pointers and keys do over it: read a direction, look around, draw a region.
 
 import type { AppStore } from "../state/app-store.ts";
-import { make } from "../ui/dom.ts";
+import { debounced, make } from "../ui/dom.ts";
 import { distanceAndBearing } from "../ui/nearby.ts";
 import { movedCursor } from "./cursor.ts";
 import { gazeOf, turnGaze, ZOOM_STEP, zoomGaze } from "./gaze.ts";
@@ -9,6 +9,9 @@ import type { Gaze, SkyDirection } from "./projection.ts";
 import type { Region } from "./region.ts";
 import { RegionDrawing } from "./region-drawing.ts";
 import { SkyCanvas } from "./sky-canvas.ts";
+
+/** A sky that does not move for so long is drawn fine. */
+const REST_MS = 200;
 
 /** CSS pixels from the canvas's left and upper edge. */
 type Point = readonly [xPx: number, yPx: number];
@@ -23,20 +26,31 @@ export class SkyView {
   private readonly fingers = new Map<number, Point>();
   private pointed: SkyDirection | null = null;
   private isDrawnSoon = false;
+  private readonly sharpenSoon = debounced(REST_MS, () => this.draw());
 
   constructor(
     private readonly container: HTMLElement,
     private readonly store: AppStore,
   ) {
-    const { picture, overlay } = this.canvas;
-    container.append(make("div", "sky-canvases", picture, overlay));
+    const { overlay, canvases } = this.canvas;
+    container.append(make("div", "sky-canvases", ...canvases));
     this.listen(overlay);
     store.watch(["gaze"], ({ gaze }) => {
       if (gaze === this.gaze) return;
       this.gaze = gaze;
       if (this.isPerspective()) this.redraw();
     });
-    const drawn = ["panorama", "panoramaToday", "projection", "sky", "colours", "exposureEv", "place", "places"] as const;
+    const drawn = [
+      "panorama",
+      "panoramaToday",
+      "projection",
+      "sky",
+      "colours",
+      "exposureEv",
+      "adaptationCdM2",
+      "place",
+      "places",
+    ] as const;
     store.watch(drawn, () => this.redraw());
     store.watch(["split"], ({ panoramaToday }) => {
       if (panoramaToday !== null) this.drawSoon();
@@ -112,25 +126,23 @@ export class SkyView {
   }
 
   private draw(): void {
-    const { state } = this.store;
-    const scene = {
-      ...state,
-      grid: state.panorama,
-      other: state.panoramaToday,
-      gaze: this.currentGaze(),
-      isDragged: this.draggedFrom !== null,
-    };
-    this.canvas.draw(this.container, scene, this.marks());
+    this.canvas.draw(this.container, this.scene(), this.marks());
     this.store.set({ skyAspect: this.canvas.plot.widthPx / this.canvas.plot.heightPx });
   }
 
-  /** Once in a frame, however often something moves in it. */
+  private scene() {
+    const { state } = this.store;
+    return { ...state, grid: state.panorama, other: state.panoramaToday, gaze: this.currentGaze() };
+  }
+
+  /** Once in a frame, however often something moves in it; fine once it rests. */
   private drawSoon(): void {
     if (this.isDrawnSoon) return;
     this.isDrawnSoon = true;
     requestAnimationFrame(() => {
       this.isDrawnSoon = false;
-      this.draw();
+      if (this.canvas.drawMoving(this.container, this.scene(), this.marks())) this.sharpenSoon();
+      else this.draw();
     });
   }
 

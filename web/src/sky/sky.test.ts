@@ -15,7 +15,7 @@ import { ticks, UNITS, unitBeside, unitFor } from "./units.ts";
 
 const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;
-const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposureEv: 0 };
+const LOOK: PictureLook = { sky: "artificial", colours: "inferno", exposureEv: 0, adaptationCdM2: null };
 
 const DARK = 567e-9;
 const BRIGHT = 567e-5;
@@ -257,7 +257,7 @@ test("a millicandela is middle grey, sodium orange", () => {
 test("the shading is continuous over the zenith", () => {
   const grid = new SkyGrid(skyWithLightAt(63, 10));
   for (const colours of ["eye", "realistic", "inferno"] as const) {
-    const { texels } = shadingOf(grid, { sky: "total", colours, exposureEv: 0 });
+    const { texels } = shadingOf(grid, { sky: "total", colours, exposureEv: 0, adaptationCdM2: null });
     assert.equal(texels.length, 65 * 256 * 4);
     const red = (row: number, column: number) => texels[4 * (row * 256 + column)];
     assert.equal(red(64, 10 + 128), red(63, 10), colours);

@@ -26,6 +26,7 @@ const EVERYTHING: ViewState = {
   sky: "total",
   colours: "realistic",
   exposureEv: 1.5,
+  adaptationCdM2: 0.0031,
   unit: "ratio",
   measure: "region",
   region: [

@@ -109,6 +109,7 @@ export function stateFromFragment(fragment: string): ViewState {
     sky: oneOf(query.get("sky"), ["artificial", "total"], DEFAULT_STATE.sky),
     colours: oneOf(query.get("colours"), STYLES, DEFAULT_STATE.colours),
     exposureEv: numberIn(query.get("exposure"), -4, 6) ?? DEFAULT_STATE.exposureEv,
+    adaptationCdM2: numberIn(query.get("adaptation"), 1e-4, 1e5),
     unit: oneOf(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
@@ -157,6 +158,7 @@ export function fragmentFromState(state: ViewState): string {
   add("sky", state.sky, DEFAULT_STATE.sky);
   add("colours", state.colours, DEFAULT_STATE.colours);
   add("exposure", state.exposureEv, DEFAULT_STATE.exposureEv);
+  add("adaptation", state.adaptationCdM2, null);
   add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
   add("region", state.region === null ? null : textFromRegion(state.region), null);

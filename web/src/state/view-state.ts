@@ -88,8 +88,10 @@ export interface ViewState {
   gaze: Gaze | null;
   sky: SkyKind;
   colours: PictureStyle;
-  /** Of the realistic picture, stops. */
+  /** Of the pictures of eye and camera, stops. */
   exposureEv: number;
+  /** Luminance that the eye stays adapted to, cd m⁻²; null: it follows the sky. */
+  adaptationCdM2: number | null;
   unit: BrightnessUnit;
   /** Of the layers of influence and of brightness; `region` only where there is one. */
   measure: MeasureName;
@@ -124,6 +126,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   sky: "total",
   colours: "eye",
   exposureEv: 0,
+  adaptationCdM2: null,
   unit: "magnitude",
   measure: "zenith",
   region: null,

@@ -4,6 +4,7 @@ import { api } from "../api/client.ts";
 import type { SkyAnswer } from "../api/types.ts";
 import { isSamePlace } from "../data/darker-session.ts";
 import { words } from "../language/words.ts";
+import { adaptationOf } from "../sky/shading.ts";
 import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { MAX_PINS, type Place } from "../state/view-state.ts";
@@ -46,7 +47,7 @@ export class Compare {
       this.button.disabled = !isPinned && pins.length >= MAX_PINS;
       this.button.textContent = isPinned ? words().compare.unpin : words().compare.pin;
     });
-    const look = ["sky", "colours", "exposureEv", "unit", "projection", "places"] as const;
+    const look = ["panorama", "sky", "colours", "exposureEv", "adaptationCdM2", "unit", "projection", "places"] as const;
     store.watch(["pins", "place", "scenes", "time", "skyStage", "isBusy", "isAway", ...CONDITIONS, ...look], (state) => {
       this.show(state);
       if (state.pins.length > 0 && state.skyStage === "picture" && !state.isBusy && !state.isAway) void this.load(state);
@@ -104,7 +105,10 @@ export class Compare {
     const image = document.createElement("img");
     // All in one projection: skies are compared by their directions.
     const look: AppState = { ...state, projection: "equirectangular" };
-    image.src = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off" });
+    // And by one eye: it is adapted to the sky that is shown, unless it is kept as it was.
+    const { panorama } = state;
+    const eye = state.colours !== "eye" || panorama === null ? {} : { adaptation: +adaptationOf(panorama, state).toPrecision(3) };
+    image.src = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off", ...eye });
     image.alt = say.skyOver(name);
     image.width = PICTURE_WIDTH_PX;
     image.height = PICTURE_WIDTH_PX / 2;

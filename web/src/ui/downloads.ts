@@ -33,7 +33,7 @@ export function mountDownloads(store: AppStore): void {
         save.disabled = false;
       });
   });
-  const look = ["projection", "sky", "colours", "exposureEv", "unit", "gaze", "skyAspect", "panorama"] as const;
+  const look = ["projection", "sky", "colours", "exposureEv", "adaptationCdM2", "unit", "gaze", "skyAspect", "panorama"] as const;
   store.watch([sceneOf, "place", "time", ...CONDITIONS, ...look], (state) => {
     const { place } = state;
     const scene = sceneOf(state);

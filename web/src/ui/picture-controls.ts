@@ -1,5 +1,6 @@
 // How the sky is shown: which light, in which projection, colours and unit.
 
+import { words } from "../language/words.ts";
 import { isOfLight, type PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
@@ -31,10 +32,25 @@ export function mountPictureControls(store: AppStore): void {
     colours.value = state.colours;
     byId("exposure-field", HTMLElement).hidden = !isOfLight(state.colours);
   });
+  const keep = byId("keep-adaptation", HTMLButtonElement);
+  keep.title = words().sky.keepAdaptationWhy;
+  keep.addEventListener("click", () => void toggleAdaptation(store));
+  store.watch(["colours", "adaptationCdM2", "panorama"], ({ colours, adaptationCdM2, panorama }) => {
+    keep.hidden = colours !== "eye" || panorama === null;
+    keep.setAttribute("aria-pressed", String(adaptationCdM2 !== null));
+  });
   store.watch(["exposureEv"], ({ exposureEv }) => {
     exposure.value = String(exposureEv);
     const stops = `${exposureEv > 0 ? "+" : ""}${decimal(exposureEv)} EV`;
     byId("exposure-value", HTMLOutputElement).value = stops;
     exposure.setAttribute("aria-valuetext", stops);
   });
+}
+
+/** The eye stays adapted to the sky that is shown, or follows it again. */
+async function toggleAdaptation(store: AppStore): Promise<void> {
+  const { panorama, adaptationCdM2 } = store.state;
+  if (panorama === null) return;
+  const { adaptationOf } = await import("../sky/shading.ts");
+  store.set({ adaptationCdM2: adaptationCdM2 === null ? +adaptationOf(panorama, store.state).toPrecision(3) : null });
 }

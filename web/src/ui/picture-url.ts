@@ -9,7 +9,7 @@ import { type AppState, seenOf } from "../state/app-state.ts";
 
 type PictureQuery = Parameters<typeof urlOf<"/api/v1/scenes/{scene}/panorama.png">>[2];
 /** How it differs from what the page shows. */
-type PictureMore = Partial<Pick<PictureQuery, "width" | "legend">>;
+type PictureMore = Partial<Pick<PictureQuery, "width" | "legend" | "adaptation">>;
 
 /** A sky as it is shown here, as a picture from the API. */
 export function pictureUrl(scene: string, parameters: SkyParameters, state: AppState, more: PictureMore = {}): string {
@@ -21,7 +21,8 @@ export function pictureUrl(scene: string, parameters: SkyParameters, state: AppS
   const scale = byValue
     ? ({ scale: "luminance", min: String(faintest), max: String(brightest) } as const)
     : ({ scale: "magnitude" } as const);
-  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv } as const) : { colormap: colours, ...scale };
+  const kept = colours === "eye" && state.adaptationCdM2 !== null ? { adaptation: state.adaptationCdM2 } : {};
+  const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv, ...kept } as const) : { colormap: colours, ...scale };
   const picture = { ...parameters, projection, ...view, sky, ...style, ...more } as const;
   return urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture);
 }

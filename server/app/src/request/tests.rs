@@ -242,6 +242,7 @@ fn what_a_format_does_not_use_is_refused() {
         "min=16",
         "max=24",
         "exposure=1",
+        "adaptation=0.01",
         "legend=off",
     ];
     let shape = ["projection=fisheye", "width=64", "height_px=64"];

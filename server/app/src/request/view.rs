@@ -101,6 +101,7 @@ fn read_style(reader: &mut Reader, response: &Response) -> Style {
         _ => Scale::Luminance,
     };
     let exposure_ev = reader.number(&p::EXPOSURE);
+    let adaptation_cd_m2 = reader.number(&p::ADAPTATION);
     if scale == Scale::Magnitude && !response.has_magnitude() {
         let message = Some(format!("means nothing for what {} sees", response.name()));
         let allowed = Some("with photopic, sqm, johnson_b, johnson_v or johnson_r".to_owned());
@@ -118,9 +119,14 @@ fn read_style(reader: &mut Reader, response: &Response) -> Style {
         only_with(reader, &[&p::COLORMAP, &p::SCALE, &p::MIN, &p::MAX], "style=false_colour");
         let exposure_ev = exposure_ev.unwrap_or(0.0);
         let is_eye = style == Some("eye");
-        return if is_eye { Style::Eye { exposure_ev } } else { Style::Realistic { exposure_ev } };
+        if is_eye {
+            return Style::Eye { exposure_ev, adaptation_cd_m2 };
+        }
+        only_with(reader, &[&p::ADAPTATION], "style=eye");
+        return Style::Realistic { exposure_ev };
     }
     only_with(reader, &[&p::EXPOSURE], "style=realistic or style=eye");
+    only_with(reader, &[&p::ADAPTATION], "style=eye");
     let range = ColourRange { scale, min, max };
     if let Err(error) = range.check() {
         // The end that the error names; where both are fine alone, the one that was given.

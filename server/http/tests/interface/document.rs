@@ -159,6 +159,7 @@ async fn every_parameter_is_described() {
         "min",
         "max",
         "exposure",
+        "adaptation",
         "width",
         "height_px",
     ] {

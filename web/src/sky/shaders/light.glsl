@@ -9,37 +9,47 @@ const mat3 SRGB_FROM_XYZ = mat3(3.2404542, -0.969266, 0.0556434, -1.5371385, 1.8
 /** V'(555 nm). */
 const float SCOTOPIC_AT_555_NM = 683.0 / 1699.0;
 const float RESPONSE_EXPONENT = 0.73;
-/** X and Z over Y of what rods alone see: chromaticity (0.281, 0.290). */
-const vec3 RODS = vec3(0.281 / 0.29, 1.0, (1.0 - 0.281 - 0.29) / 0.29);
-/** The iteration of MES-2 leaves less than a thousandth after so many steps (eye.test.ts). */
-const int ITERATIONS = 16;
+const float ADAPTATION_EXPONENT = 0.7;
+const float DARKEST = 1e-4;
+const float CONTRAST_EXPONENT = 2.0;
+/** X and Z over Y of what rods alone see: chromaticity (0.271, 0.276). */
+const vec3 RODS = vec3(0.271 / 0.276, 1.0, (1.0 - 0.271 - 0.276) / 0.276);
+const vec3 WHITE = vec3(0.3127 / 0.329, 1.0, (1.0 - 0.3127 - 0.329) / 0.329);
+/** What the table spans: powers of ten of photopic luminance, and powers of two of scotopic over photopic, down to the same below 0. */
+const float TABLE_FROM = -3.5;
+const float TABLE_TO = 1.5;
+const float TABLE_RATIO_LOG2 = 3.0;
+/** The part of the cones. */
+uniform sampler2D cone_table;
 
 uniform int finish;
-/** Of the eye, half of the brightest to the power of its response; of the film, the luminance that counts as 1. */
+/** Of the eye, what the exposure makes of half of the brightest to the power of its response; of the film, the luminance that counts as 1. */
 uniform float exposure;
+/** Luminance that the eye is adapted to. */
+uniform float adaptation;
 
 vec3 encoded(vec3 linear) {
   return mix(12.92 * linear, 1.055 * pow(max(linear, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
 }
 
-/** Luminance and the part of the cones (CIE 191:2010, MES-2). */
+/** Luminance and the part of the cones (CIE 191:2010, MES-2), by the table of eye.ts. */
 vec2 mesopic(float photopic, float scotopic) {
-  float cones = 0.5;
-  float luminance = 0.0;
-  for (int i = 0; i < ITERATIONS; i++) {
-    float rods = (1.0 - cones) * SCOTOPIC_AT_555_NM;
-    luminance = (cones * photopic + rods * scotopic) / (cones + rods);
-    cones = clamp(0.767 + 0.3334 * 0.30103 * log2(max(luminance, 1e-30)), 0.0, 1.0);
-  }
-  return vec2(luminance, cones);
+  vec2 size = vec2(textureSize(cone_table, 0));
+  vec2 at = vec2((log2(max(photopic, 1e-30)) * 0.30103 - TABLE_FROM) / (TABLE_TO - TABLE_FROM), 0.5 + 0.5 * log2(max(scotopic, 1e-30) / max(photopic, 1e-30)) / TABLE_RATIO_LOG2);
+  float cones = texture(cone_table, (0.5 + clamp(at, 0.0, 1.0) * (size - 1.0)) / size).r;
+  float rods = (1.0 - cones) * SCOTOPIC_AT_555_NM;
+  return vec2((cones * photopic + rods * scotopic) / (cones + rods), cones);
 }
 
-vec3 seen_by_eye(vec4 light) {
+/** Of light with the luminance of the veil in it. */
+vec3 seen_by_eye(vec4 light, float veil) {
   vec2 seen = mesopic(light.y, light.w);
   float power = pow(max(seen.x, 1e-30), RESPONSE_EXPONENT);
-  float shown = power / (power + exposure);
-  vec3 cones = light.y > 0.0 ? light.xyz / light.y : RODS;
-  vec3 linear = SRGB_FROM_XYZ * (shown * mix(RODS, cones, seen.y));
+  float half_power = exposure * pow(max(adaptation + veil, DARKEST), ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
+  float shown = pow(power / (power + half_power), CONTRAST_EXPONENT);
+  vec3 rods = mix(RODS, WHITE, seen.y);
+  vec3 cones = light.y > 0.0 ? light.xyz / light.y : rods;
+  vec3 linear = SRGB_FROM_XYZ * (shown * mix(rods, cones, seen.y));
   // Towards grey of its own luminance until every channel is 0 to 1.
   vec3 away = abs(linear - shown);
   vec3 room = mix(vec3(shown), vec3(1.0 - shown), step(shown, linear));
@@ -59,7 +69,7 @@ vec3 filmed(vec3 linear) {
   return shown * mix(inside / brightest, vec3(1.0), pow(shown, 4.0));
 }
 
-/** What X, Y, Z and scotopic light look like. */
-vec3 shown_light(vec4 light) {
-  return encoded(finish == EYE ? seen_by_eye(light) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
+/** What X, Y, Z and scotopic light look like, with the luminance of the veil in it. */
+vec3 shown_light(vec4 light, float veil) {
+  return encoded(finish == EYE ? seen_by_eye(light, veil) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
 }

@@ -4,7 +4,13 @@
 layout(location = 0) in vec2 direction;
 /** X, Y, Z and scotopic illuminance, lx. */
 layout(location = 1) in vec4 illuminance;
+/** X, Y, Z and scotopic luminance of the sky there: the square is small beside its samples. */
+layout(location = 2) in vec4 sky;
+/** Luminance of the veil in it. */
+layout(location = 3) in float veil;
 flat out vec4 peak;
+flat out vec4 before;
+flat out float veil_before;
 flat out float blur_px;
 flat out float size_px;
 
@@ -13,12 +19,17 @@ const float EYE_BLUR_RAD = 1.1e-3;
 const float MIN_BLUR_PX = 0.6;
 /** Light below this is not drawn, cd m-2: a tenth of the darkest sky. */
 const float DARK_CD_M2 = 2e-5;
+/** Nor what adds less than this part to the sky: no display shows it. */
+const float UNSEEN_PART = 0.01;
 
 void main() {
   blur_px = max(EYE_BLUR_RAD / pixel_rad(), MIN_BLUR_PX);
   peak = illuminance / (2.0 * PI * EYE_BLUR_RAD * EYE_BLUR_RAD);
-  float brightest = max(max(peak.y, peak.w), DARK_CD_M2);
-  size_px = 2.0 * ceil(blur_px * sqrt(2.0 * log(brightest / DARK_CD_M2)) + 0.5);
+  before = sky;
+  veil_before = veil;
+  float faintest = max(DARK_CD_M2, UNSEEN_PART * max(sky.y, sky.w));
+  float brightest = max(max(peak.y, peak.w), faintest);
+  size_px = 2.0 * ceil(blur_px * sqrt(2.0 * log(brightest / faintest)) + 0.5);
   gl_Position = clip_position(direction);
   gl_PointSize = size_px;
 }

@@ -1,0 +1,8 @@
+// One colour, premultiplied.
+
+uniform vec4 ink;
+out vec4 colour;
+
+void main() {
+  colour = ink;
+}
