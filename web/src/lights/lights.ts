@@ -3,7 +3,7 @@
 import { api } from "../api/client.ts";
 import { ApiError } from "../api/problem.ts";
 import type { Plan } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { type AppState, CONDITIONS, sceneOf, todaysConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced } from "../ui/dom.ts";
@@ -98,7 +98,7 @@ export class Lights {
   paint(area: PaintedArea, change: PaintChange): void {
     const { painting, scenario } = this.store.state;
     if (isFull(painting)) {
-      this.store.report(new Error(words().paint.full));
+      this.store.report(new Error(placeWords().paint.full));
       return;
     }
     const isFirst = painting.done.length === 0 && painting.undone.length === 0;

@@ -23,11 +23,18 @@ const NOTHING: readonly never[] = [];
 
 export class MapPanel {
   private map: SkyMap | null = null;
+  /** When the map's outlines are there in full. */
+  readonly drawn: Promise<void>;
+  private tellDrawn: () => void = () => {};
 
   constructor(
     private readonly store: AppStore,
     private readonly painted: (area: PaintedArea) => void,
-  ) {}
+  ) {
+    this.drawn = new Promise((resolve) => {
+      this.tellDrawn = resolve;
+    });
+  }
 
   /** Without WebGL there is no map, but the search box still picks places. */
   async load(): Promise<void> {
@@ -63,6 +70,7 @@ export class MapPanel {
       moved: (view) => store.set({ view }),
       layer: (name, state) => store.set({ layerStates: { ...store.state.layerStates, [name]: state } }),
       split: (split) => store.set({ split }),
+      drawn: this.tellDrawn,
       failed: (reason) => store.report(reason),
     });
   }

@@ -23,6 +23,8 @@ export interface SkyMapEvents {
   layer: (name: LayerName, state: LayerState) => void;
   /** The line between the maps of today and of other lights was drawn to this part of the width. */
   split: (part: number) => void;
+  /** Outlines and names are there in full. */
+  drawn: () => void;
   failed: (reason: unknown) => void;
 }
 
@@ -107,6 +109,7 @@ export class SkyMap {
     this.map.on("error", (event) => this.report(event, events.failed));
     this.showBasemap("coarse")
       .then(() => this.showBasemap("fine"))
+      .then(events.drawn)
       .catch(events.failed);
   }
 

@@ -3,7 +3,7 @@
 import { api } from "../api/client.ts";
 import type { SkyAnswer } from "../api/types.ts";
 import { isSamePlace } from "../data/darker-session.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { MAX_PINS, type Place } from "../state/view-state.ts";
@@ -44,7 +44,7 @@ export class Compare {
       const isPinned = place !== null && pins.some((pin) => isSamePlace(pin, place));
       this.button.setAttribute("aria-pressed", String(isPinned));
       this.button.disabled = !isPinned && pins.length >= MAX_PINS;
-      this.button.textContent = isPinned ? words().compare.unpin : words().compare.pin;
+      this.button.textContent = isPinned ? placeWords().compare.unpin : placeWords().compare.pin;
     });
     const look = ["sky", "colours", "exposureEv", "unit", "projection", "places"] as const;
     store.watch(["pins", "place", "scenes", "time", "skyStage", "isBusy", "isAway", ...CONDITIONS, ...look], (state) => {
@@ -83,7 +83,7 @@ export class Compare {
   }
 
   private card(state: Readonly<AppState>, pin: Place, i: number): HTMLElement {
-    const say = words().compare;
+    const say = placeWords().compare;
     const request = requestOf(state, pin);
     const answer = this.answers.get(JSON.stringify(request)) ?? null;
     const name = placeName(pin, state.places);
@@ -113,7 +113,7 @@ export class Compare {
 }
 
 function numbersOf(answer: SkyAnswer | null): HTMLElement {
-  const say = words();
+  const say = placeWords();
   const { sky } = answer ?? {};
   const number = (title: string, value: string | null) =>
     make("div", "", make("dt", "", title), make("dd", "", sky === undefined ? "…" : (value ?? "–")));

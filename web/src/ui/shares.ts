@@ -2,7 +2,7 @@
 
 import { api } from "../api/client.ts";
 import type { AreaShares, NamedPlace, PlaceShare, Shares } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import { sceneOf, sharesQuery } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -35,8 +35,8 @@ export function mountShares(store: AppStore, goTo: (town: NamedPlace) => void): 
   const list = byId("shares-list", HTMLElement);
   store.watch(["shares", "isSharing", "skyStage"], ({ shares, isSharing, region, skyStage }) => {
     section.hidden = shares === null && !isSharing && skyStage !== "picture";
-    title.textContent = region === null ? words().shares.overhead : words().shares.inMarked;
-    waiting.textContent = isSharing && shares === null ? words().shares.waiting : "";
+    title.textContent = region === null ? placeWords().shares.overhead : placeWords().shares.inMarked;
+    waiting.textContent = isSharing && shares === null ? placeWords().shares.waiting : "";
     section.setAttribute("aria-busy", String(isSharing));
   });
   store.watch(["shares"], ({ shares }) => list.replaceChildren(...(shares === null ? [] : townRows(store, shares, goTo))));
@@ -50,7 +50,7 @@ function bar(share: number): HTMLElement {
 }
 
 function townRows(store: AppStore, shares: Shares, goTo: (town: NamedPlace) => void): HTMLElement[] {
-  const say = words().shares;
+  const say = placeWords().shares;
   if (!(shares.total > 0)) return [make("li", "", say.none)];
   const { named, others, elsewhere } = listedTowns(shares);
   const rows = named.map((town) => {
@@ -68,7 +68,7 @@ function townRows(store: AppStore, shares: Shares, goTo: (town: NamedPlace) => v
   });
   const rest: [string, number][] = [
     [say.others(whole(others.count)), others.share],
-    [words().plan.far, elsewhere],
+    [placeWords().plan.far, elsewhere],
   ];
   const restRows = rest
     .filter(([, share]) => share > 0)
@@ -95,12 +95,12 @@ async function choose(store: AppStore, input: HTMLInputElement): Promise<void> {
     const areas = body.type === "FeatureCollection" ? body : { type: "FeatureCollection", features: [feature] };
     store.set({ areas: { fileName: file.name, body: areas }, problem: null });
   } catch {
-    store.report(new Error(words().shares.noGeojson(file.name)));
+    store.report(new Error(placeWords().shares.noGeojson(file.name)));
   }
 }
 
 function areaTable(store: AppStore, { areas, outside }: AreaShares, file: HTMLInputElement): HTMLElement[] {
-  const say = words().shares;
+  const say = placeWords().shares;
   const line = (name: string, share: number) => {
     const header = make("th", "", name);
     header.setAttribute("scope", "row");
