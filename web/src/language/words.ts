@@ -3,15 +3,17 @@
 import { loadSetting, saveSetting } from "../ui/storage.ts";
 import { page } from "./english/page.ts";
 import type { PlaceWords } from "./english/place.ts";
+import type { ReportWords } from "./english/report.ts";
 import { applyWords } from "./markup.ts";
 
 /** The words that the page begins with, and those that come later. */
 export interface WordsByPart {
   page: typeof page;
   place: PlaceWords;
+  report: ReportWords;
 }
 export type Part = keyof WordsByPart;
-export const PARTS: readonly Part[] = ["page", "place"];
+export const PARTS: readonly Part[] = ["page", "place", "report"];
 
 interface Language {
   /** In the language itself. */
@@ -26,6 +28,7 @@ export const LANGUAGES: Readonly<Record<string, Language>> = {
     load: {
       page: () => Promise.resolve(page),
       place: async () => (await import("./english/place.ts")).place,
+      report: async () => (await import("./english/report.ts")).report,
     },
   },
   de: {
@@ -33,6 +36,7 @@ export const LANGUAGES: Readonly<Record<string, Language>> = {
     load: {
       page: async () => (await import("./german/page.ts")).page,
       place: async () => (await import("./german/place.ts")).place,
+      report: async () => (await import("./german/report.ts")).report,
     },
   },
 };
@@ -55,6 +59,11 @@ export function words(): WordsByPart["page"] {
 /** The words of what is there for a picked place. */
 export function placeWords(): WordsByPart["place"] {
   return part("place");
+}
+
+/** The words of reports. */
+export function reportWords(): WordsByPart["report"] {
+  return part("report");
 }
 
 /** Loads a part in the page's language, once, and puts its words into the page. */

@@ -18,7 +18,7 @@ export interface Captioned {
 }
 
 /** The time with its date and clock; without one, that there is none. */
-function when(time: string | null, { longitude_deg }: Place): string {
+export function timeWithClock(time: string | null, { longitude_deg }: Place): string {
   if (time === null) return placeWords().time.noneTold;
   const atMs = Date.parse(time);
   const clock = clockAt(atMs, longitude_deg);
@@ -47,7 +47,7 @@ export function captionLines(
   const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];
   return [
     name === at ? at : `${name} · ${at}`,
-    `${when(time, place)} · ${[total, ...bortle].join(" · ")}`,
+    `${timeWithClock(time, place)} · ${[total, ...bortle].join(" · ")}`,
     [...summaryOf(answer), shares === null ? "" : glowSentence(answer, shares)].join(" ").trim(),
     assumed.join(" · "),
     credit.filter((part) => part !== "").join(" · "),

@@ -21,6 +21,7 @@ import { mountPictureControls } from "./picture-controls.ts";
 import { PlanCard } from "./plan-card.ts";
 import { mountReadout } from "./readout.ts";
 import { mountRegionButton } from "./region-button.ts";
+import { mountReportButton } from "./report-button.ts";
 import { mountShare } from "./share.ts";
 import { mountShares } from "./shares.ts";
 import { mountSummary } from "./summary.ts";
@@ -57,5 +58,6 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   mountDownloads(store);
   new PlanCard(store, lights);
   mountShare(lights);
+  mountReportButton(store, lights);
   return new PaintCard(store, lights);
 }

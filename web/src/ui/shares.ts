@@ -16,12 +16,15 @@ const MIN_SHARE = 0.005;
 const HERE_M = 1500;
 
 /** The towns that are named, and what the others have together. */
-export function listedTowns({ places, other_places, other_places_count, elsewhere }: Shares): {
+export function listedTowns(
+  { places, other_places, other_places_count, elsewhere }: Shares,
+  maxRows = MAX_ROWS,
+): {
   named: PlaceShare[];
   others: { count: number; share: number };
   elsewhere: number;
 } {
-  const named = places.filter(({ share }, i) => i < MAX_ROWS && share >= MIN_SHARE);
+  const named = places.filter(({ share }, i) => i < maxRows && share >= MIN_SHARE);
   const unnamed = places.slice(named.length);
   const share = unnamed.reduce((sum, town) => sum + town.share, other_places.share);
   return { named, others: { count: unnamed.length + other_places_count, share }, elsewhere: elsewhere.share };
@@ -43,6 +46,13 @@ export function mountShares(store: AppStore, goTo: (town: NamedPlace) => void): 
   mountAreas(store);
 }
 
+/** Where a town is, from the place. */
+export function whereabouts({ distance_m, azimuth_deg }: PlaceShare): string {
+  const say = placeWords().shares;
+  if (distance_m < HERE_M) return say.here;
+  return say.away(whole(Math.round(distance_m / 1000)), compassName(azimuth_deg));
+}
+
 function bar(share: number): HTMLElement {
   const shown = make("i", "");
   shown.style.width = `${100 * Math.min(share, 1)}%`;
@@ -54,9 +64,7 @@ function townRows(store: AppStore, shares: Shares, goTo: (town: NamedPlace) => v
   if (!(shares.total > 0)) return [make("li", "", say.none)];
   const { named, others, elsewhere } = listedTowns(shares);
   const rows = named.map((town) => {
-    const where =
-      town.distance_m < HERE_M ? say.here : say.away(whole(Math.round(town.distance_m / 1000)), compassName(town.azimuth_deg));
-    const name = make("span", "", town.name, make("small", "", where));
+    const name = make("span", "", town.name, make("small", "", whereabouts(town)));
     const button = make("button", "", name, make("b", "", percent(town.share)), bar(town.share)) as HTMLButtonElement;
     button.type = "button";
     button.title = say.show;

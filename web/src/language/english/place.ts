@@ -286,6 +286,8 @@ export const place = {
   },
   downloads: {
     title: "Take it along",
+    report: "Report",
+    reportWhy: "The sky here on paper: the sentence, the picture, numbers, whose light it is",
     share: "Share this view",
     copied: "The link is copied.",
     copyByHand: "Copy the link:",

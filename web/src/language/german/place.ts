@@ -265,6 +265,8 @@ export const place: PlaceWords = {
   },
   downloads: {
     title: "Zum Mitnehmen",
+    report: "Bericht",
+    reportWhy: "Der Himmel hier auf Papier: der Satz, das Bild, Zahlen, wessen Licht es ist",
     share: "Ansicht teilen",
     copied: "Der Link ist kopiert.",
     copyByHand: "Link kopieren:",
