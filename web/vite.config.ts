@@ -34,7 +34,10 @@ export default defineConfig({
     license: { fileName: "LICENCES.md" },
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1400,
-    rollupOptions: { output: { chunkFileNames: ({ facadeModuleId }) => `assets/${chunkName(facadeModuleId)}-[hash].js` } },
+    rollupOptions: {
+      input: ["index.html", "embed.html"],
+      output: { chunkFileNames: ({ facadeModuleId }) => `assets/${chunkName(facadeModuleId)}-[hash].js` },
+    },
   },
   worker: { format: "es" },
   server: { proxy: { "/api": sameOrigin, "/healthz": sameOrigin, "/readyz": sameOrigin } },

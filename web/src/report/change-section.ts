@@ -12,6 +12,8 @@ import { cell, headed, picture, section, shareTable, table } from "./sections.ts
 
 /** Towns that are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
+/** Two of them, with the table, on one page. */
+const PICTURE_HEIGHT_PX = 256;
 
 type Values = readonly [before: number | null | undefined, after: number | null | undefined];
 
@@ -98,8 +100,8 @@ export function changeSection(
   const shown = section(
     isPainted ? report.painted : report.plan,
     ...(change === null ? [] : [make("p", "lead", lead(change))]),
-    picture(today, alt, report.today),
-    picture(after, alt, isPainted ? asPainted : withPlan),
+    picture(today, PICTURE_HEIGHT_PX, alt, report.today),
+    picture(after, PICTURE_HEIGHT_PX, alt, isPainted ? asPainted : withPlan),
     changeTable(before, now, fluxes),
     ...(note === "" ? [] : [make("p", "note", note)]),
     ...effect(change, places),

@@ -17,6 +17,9 @@ import { changeSection } from "./change-section.ts";
 import type { ReportData } from "./report-data.ts";
 import { numbersTable, picture, section, sharesSection } from "./sections.ts";
 
+/** At the width of paper: large enough to look at, and numbers and shares still on the first page. */
+const PICTURE_HEIGHT_PX = 400;
+
 type Shown = Pick<ViewState, "time" | "lamp" | "emission" | "directUplight" | "groundReflectance">;
 
 function facts(rows: readonly (readonly [string, string | Node])[]): HTMLElement {
@@ -55,7 +58,7 @@ export function reportDocument(
     make("header", "", make("p", "brand-line", report.brand, make("span", "", report.made(date))), title),
     make("p", "where", where.join(" · ")),
     make("p", "sentence", make("strong", "", first), ` ${sentences.join(" ")}`),
-    picture(today, report.pictureOf(name), report.picture),
+    picture(today, PICTURE_HEIGHT_PX, report.pictureOf(name), report.picture),
     section(report.numbers, numbersTable(answer)),
     sharesSection(data),
     ...(after === null ? [] : [changeSection(today, after, change, { name, places })]),

@@ -11,10 +11,11 @@ import { pictureUrl } from "../ui/picture-url.ts";
 /** For paper: 180 mm wide, some 300 dots an inch. */
 const PICTURE_WIDTH_PX = 2048;
 
-/** A sky with the address of its picture. */
+/** A sky with the addresses of its pictures. */
 export interface ReportedSky {
   answer: SkyAnswer;
-  pictureUrl: string;
+  /** As high as this. */
+  pictureUrl: (heightPx: number) => string;
 }
 
 export interface ReportData {
@@ -47,7 +48,7 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
   const legend = isOfLight(state.colours) ? "off" : "on";
   const sky = async (parameters: SkyParameters): Promise<ReportedSky> => ({
     answer: await api.sky(scene.id, parameters, signal),
-    pictureUrl: pictureUrl(scene.id, parameters, look, { width: PICTURE_WIDTH_PX, legend }),
+    pictureUrl: (heightPx) => pictureUrl(scene.id, parameters, look, { width: PICTURE_WIDTH_PX, height_px: heightPx, legend }),
   });
   const { scenario: _, ...query } = sharesQuery({ ...state, region: null }, place);
   const { areas, scenario } = state;

@@ -9,7 +9,7 @@ import { listedTowns, whereabouts } from "../ui/shares.ts";
 import type { ReportData, ReportedSky } from "./report-data.ts";
 
 /** Towns that are named: more have no room on the first page. */
-const MAX_TOWNS = 8;
+const MAX_TOWNS = 7;
 const MAG = "mag/arcsec²";
 
 /** A cell of a table; numbers stand to the right. */
@@ -38,9 +38,9 @@ export function section(title: string, ...content: HTMLElement[]): HTMLElement {
 }
 
 /** The picture all around, and below it what it shows. */
-export function picture({ pictureUrl }: ReportedSky, alt: string, caption: string): HTMLElement {
+export function picture({ pictureUrl }: ReportedSky, heightPx: number, alt: string, caption: string): HTMLElement {
   const image = document.createElement("img");
-  image.src = pictureUrl;
+  image.src = pictureUrl(heightPx);
   image.alt = alt;
   return make("figure", "", image, make("figcaption", "", caption));
 }

@@ -14,6 +14,7 @@ import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
 import { byId } from "./dom.ts";
 import { mountDownloads } from "./downloads.ts";
+import { mountEmbedCode } from "./embed-code.ts";
 import { mountLightsControls } from "./lights-controls.ts";
 import { mountNumbers } from "./numbers.ts";
 import { PaintCard } from "./paint-card.ts";
@@ -59,5 +60,6 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   new PlanCard(store, lights);
   mountShare(lights);
   mountReportButton(store, lights);
+  mountEmbedCode(store, lights);
   return new PaintCard(store, lights);
 }
