@@ -46,6 +46,8 @@ export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.js
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What the shares of towns and areas in a sky depend on besides the scene. */
 export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
+/** The same of areas. */
+export type AreaSharesQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/shares">, "query">;
 /** What darker places around one depend on besides the scene. */
 export type DarkerQuery = Query<"/api/v1/scenes/{scene}/darker">;
 /** What a night over a place depends on besides the scene. */
@@ -159,9 +161,9 @@ export const api = {
   shares: (scene: string, query: SharesQuery, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/shares", { scene }, query, signal),
   /** The same by areas. */
-  areaShares: (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal) =>
+  areaShares: (scene: string, query: AreaSharesQuery, areas: AreasBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/shares", { scene }, query, areas, signal),
-  areaSharesFile: async (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
+  areaSharesFile: async (scene: string, query: AreaSharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
     const url = buildUrl("/api/v1/scenes/{scene}/shares.csv", { scene }, query);
     const headers = { accept: "text/csv", "content-type": "application/json" };
     return (await answered(url, { method: "POST", signal, headers, body: JSON.stringify(areas) })).blob();

@@ -93,6 +93,10 @@ export class MapPanel {
     });
     store.watch(["shownTown"], ({ shownTown }) => map.showTown(shownTown));
     store.watch(["darker"], ({ darker }) => map.showDarker(darker?.places ?? NOTHING));
+    store.watch(["areaShares"], ({ areas, areaShares }) => {
+      const features = (areas?.body as { features?: readonly unknown[] } | undefined)?.features ?? NOTHING;
+      void map.showAreas(areaShares === null ? null : { features, shares: areaShares.areas });
+    });
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

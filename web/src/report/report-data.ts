@@ -56,7 +56,14 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
     sky(today),
     scenario === null ? null : sky({ ...today, scenario }),
     api.shares(scene.id, { ...query, limit: LISTED_TOWNS }, signal),
-    areas === null ? null : api.areaShares(scene.id, query, areas.body, signal),
+    areas === null
+      ? null
+      : api.areaShares(
+          scene.id,
+          { ...query, ...(areas.nameField === null ? {} : { name_field: areas.nameField }) },
+          areas.body,
+          signal,
+        ),
   ]);
   return {
     place,

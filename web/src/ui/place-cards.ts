@@ -9,6 +9,7 @@ import { Legend } from "../sky/legend.ts";
 import { SkyView } from "../sky/sky-view.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
+import { mountAreas } from "./areas.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
 import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
@@ -46,6 +47,7 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   followNightHours(store);
   new SharesSession(store);
   mountShares(store, (town) => map.showTown(town));
+  mountAreas(store);
   new TimeLine(store);
   new DarkerSession(store);
   const goTo = (place: Place) => {

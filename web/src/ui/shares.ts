@@ -1,12 +1,10 @@
-// Whose light the sky is: towns by their shares, and the areas of a file that somebody chose.
+// Whose light the sky is: towns by their shares.
 
-import { api } from "../api/client.ts";
-import type { AreaShares, NamedPlace, PlaceShare, Shares } from "../api/types.ts";
+import type { NamedPlace, PlaceShare, Shares } from "../api/types.ts";
 import { placeWords } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
-import { sceneOf, sharesQuery } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { byId, make, saveFile } from "./dom.ts";
+import { byId, make } from "./dom.ts";
 import { percent, whole } from "./format.ts";
 
 const MAX_ROWS = 5;
@@ -43,7 +41,6 @@ export function mountShares(store: AppStore, goTo: (town: NamedPlace) => void): 
     section.setAttribute("aria-busy", String(isSharing));
   });
   store.watch(["shares"], ({ shares }) => list.replaceChildren(...(shares === null ? [] : townRows(store, shares, goTo))));
-  mountAreas(store);
 }
 
 /** Where a town is, from the place. */
@@ -82,61 +79,4 @@ function townRows(store: AppStore, shares: Shares, goTo: (town: NamedPlace) => v
     .filter(([, share]) => share > 0)
     .map(([name, share]) => make("li", "rest", make("span", "", name), make("b", "", percent(share)), bar(share)));
   return [...rows, ...restRows];
-}
-
-function mountAreas(store: AppStore): void {
-  const file = byId("areas-file", HTMLInputElement);
-  const answer = byId("areas-answer", HTMLElement);
-  file.addEventListener("change", () => void choose(store, file));
-  store.watch(["areaShares"], ({ areaShares }) => {
-    answer.replaceChildren(...(areaShares === null ? [] : areaTable(store, areaShares, file)));
-  });
-}
-
-async function choose(store: AppStore, input: HTMLInputElement): Promise<void> {
-  const [file] = input.files ?? [];
-  if (file === undefined) return;
-  try {
-    const body = JSON.parse(await file.text()) as Record<string, unknown>;
-    // The server takes a collection; a file may hold one feature or a bare outline.
-    const feature = body.type === "Feature" ? body : { type: "Feature", properties: {}, geometry: body };
-    const areas = body.type === "FeatureCollection" ? body : { type: "FeatureCollection", features: [feature] };
-    store.set({ areas: { fileName: file.name, body: areas }, problem: null });
-  } catch {
-    store.report(new Error(placeWords().shares.noGeojson(file.name)));
-  }
-}
-
-function areaTable(store: AppStore, { areas, outside }: AreaShares, file: HTMLInputElement): HTMLElement[] {
-  const say = placeWords().shares;
-  const line = (name: string, share: number) => {
-    const header = make("th", "", name);
-    header.setAttribute("scope", "row");
-    return make("tr", "", header, make("td", "", percent(share)));
-  };
-  const caption = make("caption", "", say.areasOf(store.state.areas?.fileName ?? ""));
-  const body = make("tbody", "", ...areas.map(({ name, share }) => line(name, share)));
-  const frame = make("div", "area-table", make("table", "", caption, body, make("tfoot", "", line(say.outside, outside.share))));
-  // Long tables scroll, by keyboard too.
-  frame.tabIndex = 0;
-  frame.setAttribute("role", "region");
-  frame.setAttribute("aria-label", caption.textContent ?? "");
-  const save = make("button", "quiet", say.save) as HTMLButtonElement;
-  const forget = make("button", "quiet", say.forget) as HTMLButtonElement;
-  for (const button of [save, forget]) button.type = "button";
-  save.addEventListener("click", () => void saveAreas(store).catch((reason: unknown) => store.report(reason)));
-  forget.addEventListener("click", () => {
-    file.value = "";
-    store.set({ areas: null, areaShares: null });
-    file.focus();
-  });
-  return [frame, make("div", "buttons", save, forget)];
-}
-
-async function saveAreas(store: AppStore): Promise<void> {
-  const { areas, place } = store.state;
-  const scene = sceneOf(store.state);
-  if (areas === null || place === null || scene === null) return;
-  const blob = await api.areaSharesFile(scene.id, sharesQuery(store.state, place), areas.body, new AbortController().signal);
-  saveFile(blob, `${areas.fileName.replace(/\.[^.]*$/, "")}-shares.csv`);
 }

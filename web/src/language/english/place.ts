@@ -102,6 +102,8 @@ export const place = {
     areas: "Our municipality or areas",
     areasLead: "A GeoJSON file of boundaries: each area gets its share under its own name.",
     file: "GeoJSON file",
+    nameField: "Named by",
+    usualName: "by the usual names",
     /** `file`: its name. */
     areasOf: (file: string) => `Shares of ${file}`,
     outside: "All others",

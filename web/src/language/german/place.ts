@@ -91,6 +91,8 @@ export const place: PlaceWords = {
     areas: "Unsere Gemeinde oder Gebiete",
     areasLead: "Eine GeoJSON-Datei mit Grenzen: jedes Gebiet erhält seinen Anteil unter seinem Namen.",
     file: "GeoJSON-Datei",
+    nameField: "Benannt nach",
+    usualName: "nach den üblichen Namen",
     areasOf: (file) => `Anteile aus ${file}`,
     outside: "Alle anderen",
     save: "Als CSV speichern",
