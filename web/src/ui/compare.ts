@@ -7,6 +7,7 @@ import { placeWords, words } from "../language/words.ts";
 import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { MAX_PINS, type Place } from "../state/view-state.ts";
+import { directionWords } from "./darker.ts";
 import { byId, make } from "./dom.ts";
 import { fixed, magnitude, ratio } from "./format.ts";
 import { placeName } from "./nearby.ts";
@@ -23,11 +24,24 @@ function requestOf(state: Readonly<AppState>, pin: Place) {
   return { scene: scene.id, parameters: { ...coordinatesOf(pin), ...today, ...lights } };
 }
 
+/** Nothing is looked for as near as this: it is asked what the place itself is like. */
+const AT_THE_PLACE = { within_km: 2, limit: 1 } as const;
+
+/** The request for a pinned place's low sky, which is told under a clear sky alone. */
+function lowSkyRequestOf(state: Readonly<AppState>, pin: Place) {
+  const request = requestOf(state, pin);
+  if (request === null || state.clouds !== null) return null;
+  const { time: _, ...query } = request.parameters;
+  return { scene: request.scene, query: { ...query, ...AT_THE_PLACE } };
+}
+
 export class Compare {
   private readonly button = byId("pin", HTMLButtonElement);
   private readonly table = byId("compare", HTMLElement);
   private requests = new AbortController();
   private readonly answers = new Map<string, SkyAnswer | null>();
+  /** Clean directions of their low skies; null where terrain hides all of it, or nobody knows. */
+  private readonly clean = new Map<string, readonly (readonly number[])[] | null>();
 
   /** `goTo` shows the sky of a place. */
   constructor(
@@ -71,6 +85,21 @@ export class Compare {
       if (signal.aborted) return;
       this.show(this.store.state);
     }
+    for (const pin of state.pins) await this.loadLowSky(lowSkyRequestOf(state, pin), signal);
+  }
+
+  /** Where artificial light leaves the horizon dark: what the search for darker places says of its own place. */
+  private async loadLowSky(request: ReturnType<typeof lowSkyRequestOf>, signal: AbortSignal): Promise<void> {
+    const key = JSON.stringify(request);
+    if (signal.aborted || request === null || this.clean.has(key)) return;
+    try {
+      const { here } = await api.darker(request.scene, request.query, signal);
+      this.clean.set(key, here.low_sky?.clean_directions_deg ?? null);
+    } catch {
+      if (signal.aborted) return;
+      this.clean.set(key, null);
+    }
+    if (!signal.aborted) this.show(this.store.state);
   }
 
   private show(state: Readonly<AppState>): void {
@@ -108,8 +137,14 @@ export class Compare {
     image.alt = say.skyOver(name);
     image.width = PICTURE_WIDTH_PX;
     image.height = PICTURE_WIDTH_PX / 2;
-    return make("li", "", head, image, numbersOf(answer));
+    const clean = this.clean.get(JSON.stringify(lowSkyRequestOf(state, pin))) ?? null;
+    return make("li", "", head, image, numbersOf(answer), ...(clean === null ? [] : [lowSky(clean)]));
   }
+}
+
+function lowSky(clean: readonly (readonly number[])[]): HTMLElement {
+  const say = placeWords().darker;
+  return make("p", "compare-horizon", clean.length === 0 ? say.notClean : say.clean(directionWords(clean)));
 }
 
 function numbersOf(answer: SkyAnswer | null): HTMLElement {
