@@ -1,63 +1,20 @@
 // What a plan or other lights change: the sky before and after, in pictures and numbers, and whose light is dimmed.
 
-import type { NamedPlace, SkyQuantities } from "../api/types.ts";
+import type { NamedPlace } from "../api/types.ts";
 import { placeWords, reportWords, words } from "../language/words.ts";
 import type { Change } from "../lights/plan-request.ts";
-import { changeOf, colourNote } from "../ui/comparison.ts";
+import { changeTable } from "../ui/change-table.ts";
+import { colourNote } from "../ui/comparison.ts";
 import { make } from "../ui/dom.ts";
-import { fixed, magnitude, percent, whole, withPrefix } from "../ui/format.ts";
+import { percent, whole, withPrefix } from "../ui/format.ts";
 import { effectByTown } from "../ui/plan-card.ts";
 import type { ReportedSky } from "./report-data.ts";
-import { cell, headed, picture, section, shareTable, table } from "./sections.ts";
+import { picture, section, shareTable } from "./sections.ts";
 
 /** Towns that are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
 /** Two of them, with the table, on one page. */
 const PICTURE_HEIGHT_PX = 256;
-
-type Values = readonly [before: number | null | undefined, after: number | null | undefined];
-
-/** A number of magnitudes brighter or darker. */
-function magnitudesApart([before, after]: Values): string {
-  if (before == null || after == null) return "–";
-  const { brighter, darker } = placeWords().comparison;
-  const size = fixed(Math.abs(after - before), 2);
-  return Number(Math.abs(after - before).toFixed(2)) === 0 ? "±0" : after < before ? brighter(size) : darker(size);
-}
-
-/** Number by number: before, after, change. */
-export function changeTable(before: SkyQuantities, after: SkyQuantities, fluxes: readonly [number, number] | null): HTMLElement {
-  const { numbers } = placeWords();
-  const { report } = reportWords();
-  const row = (name: string, from: string, to: string, change: string) =>
-    headed(name, cell(from, "value"), cell(make("b", "", to), "value"), cell(change, "value"));
-  const mags = (name: string, values: Values) =>
-    row(`${name}, mag/arcsec²`, magnitude(values[0] ?? null), magnitude(values[1] ?? null), magnitudesApart(values));
-  const amounts = (name: string, [from, to]: readonly [number, number], unit: string) =>
-    row(name, withPrefix(from, unit), withPrefix(to, unit), changeOf(from, to) ?? "–");
-  const rows = [
-    mags(report.zenithAll, [before.zenith_total_brightness_mag_arcsec2, after.zenith_total_brightness_mag_arcsec2]),
-    mags(numbers.sqm, [before.sqm_total_brightness_mag_arcsec2, after.sqm_total_brightness_mag_arcsec2]),
-    amounts(report.photopic, [before.zenith_luminance_cd_m2, after.zenith_luminance_cd_m2], "cd/m²"),
-    amounts(report.scotopic, [before.zenith_scotopic_luminance_cd_m2, after.zenith_scotopic_luminance_cd_m2], "cd/m²"),
-    amounts(report.illuminated, [before.horizontal_illuminance_lx, after.horizontal_illuminance_lx], "lx"),
-    ...(before.bortle_class == null || after.bortle_class == null
-      ? []
-      : [row(numbers.bortleClass, String(before.bortle_class), String(after.bortle_class), "")]),
-    ...(before.naked_eye_limit_mag == null || after.naked_eye_limit_mag == null
-      ? []
-      : [
-          row(
-            numbers.faintestStars,
-            `${fixed(before.naked_eye_limit_mag, 2)} mag`,
-            `${fixed(after.naked_eye_limit_mag, 2)} mag`,
-            "",
-          ),
-        ]),
-    ...(fluxes === null ? [] : [amounts(report.upward, fluxes, "W")]),
-  ];
-  return table([report.what, report.before, report.after, report.change], rows, "changes");
-}
 
 /** What the change is, in a sentence. */
 function lead(change: Change | null): string {
@@ -102,7 +59,7 @@ export function changeSection(
     ...(change === null ? [] : [make("p", "lead", lead(change))]),
     picture(today, PICTURE_HEIGHT_PX, alt, report.today),
     picture(after, PICTURE_HEIGHT_PX, alt, isPainted ? asPainted : withPlan),
-    changeTable(before, now, fluxes),
+    changeTable(before, now, { fluxesDnbW: fluxes, energyRatio: null }),
     ...(note === "" ? [] : [make("p", "note", note)]),
     ...effect(change, places),
   );

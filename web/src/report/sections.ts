@@ -6,32 +6,12 @@ import { brightnessMagArcsec2 } from "../photometry.ts";
 import { make } from "../ui/dom.ts";
 import { fixed, magnitude, percent, ratio, whole, withPrefix } from "../ui/format.ts";
 import { listedTowns, whereabouts } from "../ui/shares.ts";
+import { cell, headed, table } from "../ui/table.ts";
 import type { ReportData, ReportedSky } from "./report-data.ts";
 
 /** Towns that are named: more have no room on the first page. */
 const MAX_TOWNS = 7;
 const MAG = "mag/arcsec²";
-
-/** A cell of a table; numbers stand to the right. */
-export function cell(content: string | Node, className = ""): HTMLElement {
-  return make("td", className, content);
-}
-
-export function headed(name: string, ...cells: HTMLElement[]): HTMLElement {
-  const header = make("th", "", name);
-  header.setAttribute("scope", "row");
-  return make("tr", "", header, ...cells);
-}
-
-/** A table with a title of its own, which screen readers tell. */
-export function table(columns: readonly string[], rows: readonly HTMLElement[], className: string): HTMLElement {
-  const heads = columns.map((name) => {
-    const head = make("th", "", name);
-    head.setAttribute("scope", "col");
-    return head;
-  });
-  return make("table", className, make("thead", "", make("tr", "", ...heads)), make("tbody", "", ...rows));
-}
 
 export function section(title: string, ...content: HTMLElement[]): HTMLElement {
   return make("section", "", make("h2", "", title), ...content);

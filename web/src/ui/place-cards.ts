@@ -10,6 +10,7 @@ import { SkyView } from "../sky/sky-view.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 import { mountAreas } from "./areas.ts";
+import { BenchCard } from "./bench-card.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
 import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
@@ -63,5 +64,6 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   mountShare(lights);
   mountReportButton(store, lights);
   mountEmbedCode(store, lights);
+  new BenchCard(store, lights);
   return new PaintCard(store, lights);
 }
