@@ -35,8 +35,12 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1400,
     rollupOptions: {
-      input: ["index.html", "embed.html"],
-      output: { chunkFileNames: ({ facadeModuleId }) => `assets/${chunkName(facadeModuleId)}-[hash].js` },
+      input: { index: "index.html", embed: "embed.html", offline: "src/offline/worker.ts" },
+      output: {
+        // A worker of a fixed name, for browsers come back to it.
+        entryFileNames: ({ name }) => (name === "offline" ? "offline.js" : "assets/[name]-[hash].js"),
+        chunkFileNames: ({ facadeModuleId }) => `assets/${chunkName(facadeModuleId)}-[hash].js`,
+      },
     },
   },
   worker: { format: "es" },

@@ -7,6 +7,7 @@ import { SkySession } from "./data/sky-session.ts";
 import { chooseLanguage, loadWords } from "./language/words.ts";
 import { Lights } from "./lights/lights.ts";
 import { MapPanel } from "./map/map-panel.ts";
+import { mountOffline, startWorker } from "./offline/offline.ts";
 import { AppStore } from "./state/app-store.ts";
 import type { Place } from "./state/view-state.ts";
 import { AirControls } from "./ui/air-controls.ts";
@@ -52,6 +53,11 @@ const map = new MapPanel(store, (area) => {
 void map.drawn.then(loadPlaceCards).catch(() => {
   // The first place asks again.
 });
+mountOffline(store);
+if (import.meta.env.PROD)
+  void map.drawn.then(startWorker).catch(() => {
+    // Without it nothing is kept, and all else works.
+  });
 store.watch(["place", "isAway"], ({ place, isAway }) => {
   if (place === null || isAway || isAsked) return;
   isAsked = true;

@@ -43,6 +43,8 @@ export interface AppState extends ViewState {
   problem: { reason: unknown } | null;
   /** Whether the server does not answer. */
   isAway: boolean;
+  /** When the oldest answer came that was kept for want of a network; null: all are the server's. */
+  storedAtMs: number | null;
   /** How much of the picked place's sky is there. */
   skyStage: "none" | "site" | "numbers" | "picture";
   /** Whether a sky is on its way. */
@@ -95,6 +97,7 @@ export function initialState(view: ViewState): AppState {
     places: [],
     problem: null,
     isAway: false,
+    storedAtMs: null,
     skyStage: "none",
     isBusy: false,
     site: null,

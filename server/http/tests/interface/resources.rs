@@ -178,6 +178,24 @@ async fn only_the_embed_may_be_framed_by_others() {
     assert_eq!(server.answer("/embed.html").await.status(), 404);
 }
 
+/// What makes the viewer installable lies beside the page, under names that stay; browsers ask each time whether it is new.
+#[tokio::test]
+async fn the_viewer_can_be_installed() {
+    let server = Server::start().await;
+    for (path, media_type) in [
+        ("/manifest.webmanifest", "application/manifest+json"),
+        ("/offline.js", "text/javascript; charset=utf-8"),
+        ("/icon.png", "image/png"),
+    ] {
+        let answer = server.answer(path).await;
+        assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, media_type), "{path}");
+        assert_eq!(header(&answer, "cache-control"), "public, no-cache", "{path}");
+    }
+    let manifest: Value = server.answer("/manifest.webmanifest").await.json().await.unwrap();
+    assert_eq!(manifest["start_url"], "./");
+    assert_eq!(manifest["icons"][0]["src"], "icon.png");
+}
+
 /// The viewer comes with a strict policy, and its hashed files are cached for ever.
 #[tokio::test]
 async fn the_viewer_has_a_strict_policy() {

@@ -211,6 +211,12 @@ export const page = {
   places: {
     beside: (distanceKm: number, compass: string, town: string) => `${distanceKm} km ${compass} of ${town}`,
   },
+  /** Without a network. */
+  offline: {
+    stored: (when: string) => `The server does not answer: what is shown was kept, the oldest of ${when}.`,
+    places: "Kept places:",
+    again: "Load anew",
+  },
   locate: {
     forbidden: "The browser may not tell where you are. Allow it beside the page's address, or search for the place.",
     unknown: "The browser does not know where you are. Search for the place instead.",

@@ -202,6 +202,11 @@ export const page: PageWords = {
   places: {
     beside: (distanceKm, compass, town) => `${distanceKm} km ${compass} von ${town}`,
   },
+  offline: {
+    stored: (when) => `Der Server antwortet nicht: was zu sehen ist, wurde aufgehoben, das Älteste vom ${when}.`,
+    places: "Aufgehobene Orte:",
+    again: "Neu laden",
+  },
   locate: {
     forbidden:
       "Der Browser darf den Standort nicht mitteilen. Neben der Adresse der Seite lässt es sich erlauben; sonst den Ort suchen.",
