@@ -17,6 +17,8 @@ export function headed(name: string, ...cells: HTMLElement[]): HTMLElement {
 /** A table with a head. */
 export function table(columns: readonly string[], rows: readonly HTMLElement[], className: string): HTMLElement {
   const heads = columns.map((name) => {
+    // A column that goes on with the one before has no name of its own.
+    if (name === "") return make("td", "");
     const head = make("th", "", name);
     head.setAttribute("scope", "col");
     return head;
