@@ -1,6 +1,7 @@
 import { defineConfig, type Plugin } from "vite";
-import { english } from "./src/language/english.ts";
-import { pageWithWords } from "./src/language/page.ts";
+import { page } from "./src/language/english/page.ts";
+import { place } from "./src/language/english/place.ts";
+import { pageWithWords } from "./src/language/markup.ts";
 
 // `npm run dev` shows sources live and asks a running server (`skyglow serve`) for data.
 const server = process.env.SKYGLOW_URL ?? "http://127.0.0.1:8080";
@@ -9,7 +10,16 @@ const sameOrigin = { target: server, changeOrigin: false };
 
 /** The page comes with its words in English; at run time another language takes their place. */
 function wordsOfPage(): Plugin {
-  return { name: "words-of-page", transformIndexHtml: { order: "pre", handler: (html) => pageWithWords(html, english) } };
+  return {
+    name: "words-of-page",
+    transformIndexHtml: { order: "pre", handler: (html) => pageWithWords(html, { ...page, ...place }) },
+  };
+}
+
+/** The parts of a language are files of the same names: its own comes before. */
+function chunkName(path: string | null): string {
+  const [, language, part] = /language\/(\w+)\/(\w+)\.ts$/.exec(path ?? "") ?? [];
+  return language === undefined ? "[name]" : `${language}-${part}`;
 }
 
 export default defineConfig({
@@ -24,6 +34,14 @@ export default defineConfig({
     license: { fileName: "LICENCES.md" },
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1400,
+    rollupOptions: {
+      input: { index: "index.html", embed: "embed.html", offline: "src/offline/worker.ts" },
+      output: {
+        // A worker of a fixed name, for browsers come back to it.
+        entryFileNames: ({ name }) => (name === "offline" ? "offline.js" : "assets/[name]-[hash].js"),
+        chunkFileNames: ({ facadeModuleId }) => `assets/${chunkName(facadeModuleId)}-[hash].js`,
+      },
+    },
   },
   worker: { format: "es" },
   server: { proxy: { "/api": sameOrigin, "/healthz": sameOrigin, "/readyz": sameOrigin } },

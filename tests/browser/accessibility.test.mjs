@@ -46,6 +46,11 @@ for (const [name, device] of [
     await page.click("#projection button[value=fisheye]");
     await skyShown(page);
     assert.deepEqual(await violations(page), [], "a plan, painting and marking");
+    await page.click("#report-open");
+    await page.waitForSelector("#report .change .lead");
+    assert.deepEqual(await violations(page), [], "a report");
+    await page.keyboard.press("Escape");
+    await page.waitForSelector("#report", { state: "hidden" });
     await page.evaluate(() => {
       location.hash = location.hash.replace(/lat=[^&]*/, "lat=-80");
     });

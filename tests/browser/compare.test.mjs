@@ -31,6 +31,12 @@ for (const [name, device] of [
     }
     await page.locator("#compare").scrollIntoViewIfNeeded();
     await page.waitForFunction(() => [...document.querySelectorAll("#compare img")].every((image) => image.naturalWidth === 512));
+    // Where the horizon is dark comes last, as the search for darker places knows it.
+    const { here: of } = await getJson(skyPath(here.scene, "darker", here.beside, "&within_km=2&limit=1"));
+    const clean = of.low_sky.clean_directions_deg;
+    const horizons = page.locator("#compare .compare-horizon");
+    await horizons.nth(1).waitFor();
+    assert.match(await horizons.nth(1).textContent(), clean.length === 0 ? /^bright horizon/ : /^dark horizon: /);
     const queries = await page.$$eval("#compare img", (images) => images.map(({ src }) => new URL(src).searchParams.toString()));
     assert.equal(new Set(queries.map((query) => query.replace(/l(at|on)=[^&]*/g, ""))).size, 1, `${queries}`);
     const [left, right] = await page.$$eval("#compare img", (images) =>

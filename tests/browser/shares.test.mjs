@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 import { assertNoFaults, getJson, openPage, PHONE, shot, skyShown } from "./support/browser.mjs";
 import { skyPath } from "./support/sky.mjs";
-import { browser, fragment, here } from "./support/stage.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
 const rows = (page) => page.locator("#shares-list li").allTextContents();
 const REGION = "170,10;190,10;190,30;170,30";
@@ -125,4 +125,57 @@ test("areas of a file get their shares", async () => {
   await page.waitForSelector("#areas-answer table", { state: "detached" });
   assertNoFaults(opened);
   await context.close();
+});
+
+/** Areas lie on the map with their shares, which a mouse reads by pointing and a finger by tapping; a property names them. */
+test("areas show their shares on the map", async () => {
+  const { latitude_deg: lat, longitude_deg: lon } = here.town;
+  const square = [
+    [lon - 0.1, lat - 0.1],
+    [lon + 0.1, lat - 0.1],
+    [lon + 0.1, lat + 0.1],
+    [lon - 0.1, lat + 0.1],
+    [lon - 0.1, lat - 0.1],
+  ];
+  const properties = { code: 5113, GEN: "Ours" };
+  const feature = { type: "Feature", properties, geometry: { type: "Polygon", coordinates: [square] } };
+  const buffer = Buffer.from(JSON.stringify({ type: "FeatureCollection", features: [feature] }));
+  for (const device of [undefined, PHONE]) {
+    const opened = await openPage(browser, fragment(here.beside, `&map=8/${lat}/${lon}`), device);
+    const { page, context, asked } = opened;
+    await page.waitForSelector("#shares-list button");
+    await page.click("#shares summary");
+    await page.setInputFiles("#areas-file", { name: "ours.geojson", mimeType: "application/geo+json", buffer });
+    await page.waitForFunction(() => /^area 1/.test(document.querySelector("#areas-answer tbody")?.textContent ?? ""));
+    await page.selectOption("#areas-name", "GEN");
+    await page.waitForFunction(() => /^Ours/.test(document.querySelector("#areas-answer tbody")?.textContent ?? ""));
+    assert.ok(asked.some((path) => path.includes("name_field=GEN")));
+    const share = (await page.locator("#areas-answer tbody td").textContent()) ?? "";
+    await page.evaluate(() => scrollTo(0, 0));
+    const { x, y, width, height } = await page.locator("#map").boundingBox();
+    const before = inLink(page, "lat");
+    const tip = page.locator(".area-tip");
+    // The map draws what it was given within some frames.
+    for (let tries = 0; tries < 40 && (await tip.isHidden()); tries++) {
+      if (device === PHONE) await page.touchscreen.tap(x + width / 2, y + height / 2);
+      else await page.mouse.move(x + width / 2 + (tries % 2), y + height / 2);
+      await page.waitForTimeout(100);
+      assert.equal(inLink(page, "lat"), before, "the place stays");
+    }
+    assert.equal(await tip.textContent(), `${share} Ours`);
+    await shot(page, device === PHONE ? "areas-map-phone" : "areas-map");
+    // A second tap is one on the map.
+    if (device === PHONE) {
+      await page.touchscreen.tap(x + width / 2, y + height / 2);
+      await page.waitForFunction((lat) => !location.hash.includes(`lat=${lat}&`), before);
+    }
+    await page.locator("#shares .more").evaluate((fold) => {
+      fold.open = true;
+    });
+    await page.waitForSelector("#areas-answer button");
+    await page.click("#areas-answer button:last-of-type");
+    assert.ok(await tip.isHidden());
+    assertNoFaults(opened);
+    await context.close();
+  }
 });

@@ -10,7 +10,17 @@ import { fileURLToPath } from "node:url";
 const web = dirname(dirname(fileURLToPath(import.meta.url)));
 const listPath = join(web, "dist", "SHA256SUMS");
 // Tests do not reach the built form; everything else here does.
-const SOURCES = ["index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts", "src", "dist"];
+const SOURCES = [
+  "index.html",
+  "embed.html",
+  "public",
+  "package.json",
+  "package-lock.json",
+  "tsconfig.json",
+  "vite.config.ts",
+  "src",
+  "dist",
+];
 const isListed = (path) => !path.endsWith(".test.ts") && path !== listPath;
 
 function filesUnder(path) {

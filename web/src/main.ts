@@ -4,26 +4,23 @@ import { noAnswer } from "./api/problem.ts";
 import { followConnection } from "./data/connection.ts";
 import { dropAbsentAir, followScene, loadScenes } from "./data/scenes.ts";
 import { SkySession } from "./data/sky-session.ts";
-import { chooseLanguage } from "./language/words.ts";
+import { chooseLanguage, loadWords } from "./language/words.ts";
 import { Lights } from "./lights/lights.ts";
 import { MapPanel } from "./map/map-panel.ts";
+import { mountOffline, startWorker } from "./offline/offline.ts";
 import { AppStore } from "./state/app-store.ts";
 import type { Place } from "./state/view-state.ts";
 import { AirControls } from "./ui/air-controls.ts";
-import { byId } from "./ui/dom.ts";
 import { mountEmissionControls } from "./ui/emission-controls.ts";
 import { mountGroundControls } from "./ui/ground-controls.ts";
 import { mountLayerPanel } from "./ui/layer-panel.ts";
-import { mountLightsControls } from "./ui/lights-controls.ts";
 import { mountLocate } from "./ui/locate.ts";
 import { mountNotice } from "./ui/notice.ts";
 import { mountPageStatus } from "./ui/page-status.ts";
 import type { PaintCard } from "./ui/paint-card.ts";
-import { mountPictureControls } from "./ui/picture-controls.ts";
 import { mountResponseControls } from "./ui/response-controls.ts";
 import { mountSceneSelect } from "./ui/scene-select.ts";
 import { Search } from "./ui/search.ts";
-import { mountSummary } from "./ui/summary.ts";
 import { mountSwitches } from "./ui/switches.ts";
 
 await chooseLanguage();
@@ -43,23 +40,29 @@ new AirControls(store);
 mountGroundControls(store);
 mountEmissionControls(store);
 mountResponseControls(store);
-mountPictureControls(store);
-mountLightsControls(store);
 mountLayerPanel(store);
-mountSummary(store);
+
+/** What is there for a picked place: it comes with the first one, or once the map is there and nothing else is under way. */
+const loadPlaceCards = () => Promise.all([import("./ui/place-cards.ts"), loadWords("place")]);
 
 let paintCard: PaintCard | null = null;
 let isAsked = false;
 const map = new MapPanel(store, (area) => {
   if (paintCard !== null) lights.paint(area, paintCard.change());
 });
+void map.drawn.then(loadPlaceCards).catch(() => {
+  // The first place asks again.
+});
+mountOffline(store);
+if (import.meta.env.PROD)
+  void map.drawn.then(startWorker).catch(() => {
+    // Without it nothing is kept, and all else works.
+  });
 store.watch(["place", "isAway"], ({ place, isAway }) => {
   if (place === null || isAway || isAsked) return;
   isAsked = true;
-  Promise.all([import("./sky/sky-view.ts"), import("./sky/legend.ts"), import("./ui/place-cards.ts")])
-    .then(([{ SkyView }, { Legend }, { mountPlaceCards }]) => {
-      new Legend(store);
-      new SkyView(byId("sky-view", HTMLElement), store);
+  loadPlaceCards()
+    .then(([{ mountPlaceCards }]) => {
       paintCard = mountPlaceCards(store, lights, map);
     })
     .catch(() => {

@@ -144,6 +144,10 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
         .merge(operation)
         .route("/", get(viewer::get_viewer))
         .route("/index.html", get(viewer::get_viewer))
+        .route("/embed", get(viewer::get_embed))
+        .route("/manifest.webmanifest", get(viewer::get_viewer))
+        .route("/offline.js", get(viewer::get_viewer))
+        .route("/icon.png", get(viewer::get_viewer))
         .route("/assets/{*file}", get(viewer::get_viewer))
         .fallback(not_found);
     all.layer(from_fn(answer_ranges))

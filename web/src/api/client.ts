@@ -4,6 +4,9 @@ import { readCompactPanorama } from "../sky/compact.ts";
 import { ApiError, noAnswer, problemFromResponse } from "./problem.ts";
 import type { PlanBody, paths, ScenarioBody } from "./schema.ts";
 
+/** Of answers that the service worker kept: when they came. The worker is built alone, so it has the name once more. */
+export const STORED_HEADER = "x-skyglow-stored";
+
 type Method = "get" | "post";
 /** Paths that take a method; under any other path the document's types have it as `never`. */
 type Path<M extends Method> = { [P in keyof paths]: paths[P] extends Record<M, object> ? P : never }[keyof paths];
@@ -46,6 +49,8 @@ export type LayerQuery = Query<"/api/v1/scenes/{scene}/tiles/{layer}/tilejson.js
 export type InfluenceQuery = Query<"/api/v1/scenes/{scene}/influence.tif">;
 /** What the shares of towns and areas in a sky depend on besides the scene. */
 export type SharesQuery = Query<"/api/v1/scenes/{scene}/shares">;
+/** The same of areas. */
+export type AreaSharesQuery = Parameters<Operation<"post", "/api/v1/scenes/{scene}/shares">, "query">;
 /** What darker places around one depend on besides the scene. */
 export type DarkerQuery = Query<"/api/v1/scenes/{scene}/darker">;
 /** What a night over a place depends on besides the scene. */
@@ -114,6 +119,12 @@ async function request<A>(url: string, init: RequestInit & { signal: AbortSignal
   return (await (await answered(url, init)).json()) as A;
 }
 
+/** Hears of every answer whether it is one that was kept, and when that came; null: the server answered. */
+let tellStored: (date: string | null) => void = () => {};
+export function onStored(heard: typeof tellStored): void {
+  tellStored = heard;
+}
+
 /** Repeats a request while the server is busy. All requests are idempotent. */
 async function answered(url: string, init: RequestInit & { signal: AbortSignal }): Promise<Response> {
   const { signal } = init;
@@ -125,7 +136,10 @@ async function answered(url: string, init: RequestInit & { signal: AbortSignal }
       if (signal.aborted) throw reason;
       throw noAnswer();
     }
-    if (response.ok) return response;
+    if (response.ok) {
+      tellStored(response.headers.get(STORED_HEADER));
+      return response;
+    }
     const busy = response.status === 503 || response.status === 429;
     const retryAfterS = Number(response.headers.get("retry-after") ?? NaN);
     const waitS = Number.isFinite(retryAfterS) ? Math.max(retryAfterS, 0.2) : 1;
@@ -137,6 +151,10 @@ async function answered(url: string, init: RequestInit & { signal: AbortSignal }
 
 export const api = {
   scenes: (signal: AbortSignal) => get("/api/v1/scenes", {}, {}, signal),
+  /** Fails unless the server itself answers. */
+  reach: async (signal: AbortSignal): Promise<void> => {
+    await answered(urlOf("/api/v1/scenes", {}, {}), { signal, cache: "no-store", headers: { accept: "application/json" } });
+  },
   places: (scene: string, signal: AbortSignal) => get("/api/v1/scenes/{scene}/places", { scene }, {}, signal),
   /** Places of the world by name. */
   worldPlaces: (name: string, signal: AbortSignal) => get("/api/v1/places", {}, { name }, signal),
@@ -159,9 +177,9 @@ export const api = {
   shares: (scene: string, query: SharesQuery, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/shares", { scene }, query, signal),
   /** The same by areas. */
-  areaShares: (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal) =>
+  areaShares: (scene: string, query: AreaSharesQuery, areas: AreasBody, signal: AbortSignal) =>
     post("/api/v1/scenes/{scene}/shares", { scene }, query, areas, signal),
-  areaSharesFile: async (scene: string, query: SharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
+  areaSharesFile: async (scene: string, query: AreaSharesQuery, areas: AreasBody, signal: AbortSignal): Promise<Blob> => {
     const url = buildUrl("/api/v1/scenes/{scene}/shares.csv", { scene }, query);
     const headers = { accept: "text/csv", "content-type": "application/json" };
     return (await answered(url, { method: "POST", signal, headers, body: JSON.stringify(areas) })).blob();

@@ -3,6 +3,7 @@
 import type { PlaceAnswer, QuantitiesAnswer, SceneAnswer, SiteAnswer } from "./schema.ts";
 
 export type {
+  AreaShare,
   AreaSharesAnswer as AreaShares,
   AtmosphereAnswer as Atmosphere,
   DarkerAnswer as Darker,

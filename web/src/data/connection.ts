@@ -1,6 +1,6 @@
 // A server that does not answer: it is asked again by itself, and once it is back, so is all that did not come.
 
-import { api } from "../api/client.ts";
+import { api, onStored } from "../api/client.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { loadScenes } from "./scenes.ts";
 
@@ -8,6 +8,13 @@ const FIRST_WAIT_MS = 1000;
 const MAX_WAIT_MS = 15_000;
 
 export function followConnection(store: AppStore): void {
+  // Of kept answers the oldest is told; one of the server itself, and what is shown is new again.
+  onStored((date) => {
+    const atMs = date === null ? null : Date.parse(date) || 0;
+    const { storedAtMs } = store.state;
+    const told = atMs === null || storedAtMs === null ? (storedAtMs ?? atMs) : Math.min(atMs, storedAtMs);
+    if (told !== storedAtMs) store.set({ storedAtMs: told });
+  });
   store.watch(["isAway"], ({ isAway }) => {
     if (isAway) void untilBack(store);
   });
@@ -18,7 +25,7 @@ async function untilBack(store: AppStore): Promise<void> {
   for (let waitMs = FIRST_WAIT_MS; ; waitMs = Math.min(2 * waitMs, MAX_WAIT_MS)) {
     await new Promise((resolve) => setTimeout(resolve, waitMs));
     try {
-      await api.scenes(signal);
+      await api.reach(signal);
       break;
     } catch {
       // It is still away.

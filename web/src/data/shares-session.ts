@@ -1,10 +1,11 @@
 // Whose light the sky is: asked for once the sky itself is shown, for where a place is new it takes seconds.
 
-import { api, type SharesQuery } from "../api/client.ts";
+import { type AreaSharesQuery, api, type SharesQuery } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
-import { type AppState, type Areas, CONDITIONS, sceneOf, sharesQuery } from "../state/app-state.ts";
+import { type AppState, areaSharesQuery, CONDITIONS, sceneOf, sharesQuery } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced } from "../ui/dom.ts";
+import type { Areas } from "./areas.ts";
 
 /** Towns that are asked for; the rest are summed up. */
 export const LISTED_TOWNS = 12;
@@ -53,7 +54,9 @@ export class SharesSession {
     try {
       const [shares, areaShares] = await Promise.all([
         api.shares(scene, { ...query, limit: LISTED_TOWNS }, signal),
-        areas === null ? null : this.areaShares(scene, query, areas.body, signal),
+        areas === null || state.place === null
+          ? null
+          : this.areaShares(scene, areaSharesQuery(state, state.place, areas), areas.body, signal),
       ]);
       if (signal.aborted) return;
       this.store.set({ shares, areaShares, isSharing: false });
@@ -66,7 +69,7 @@ export class SharesSession {
   }
 
   /** Areas that the server cannot read are told and left out; towns are shown all the same. */
-  private async areaShares(scene: string, query: SharesQuery, body: Areas["body"], signal: AbortSignal) {
+  private async areaShares(scene: string, query: AreaSharesQuery, body: Areas["body"], signal: AbortSignal) {
     try {
       return await api.areaShares(scene, query, body, signal);
     } catch (reason) {

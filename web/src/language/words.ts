@@ -1,28 +1,79 @@
-// The viewer's words in the language of whoever looks at it.
+// The viewer's words in the language of whoever looks at it, in parts that come with what says them.
 
 import { loadSetting, saveSetting } from "../ui/storage.ts";
-import { english, type Words } from "./english.ts";
-import { applyWords } from "./page.ts";
+import { page } from "./english/page.ts";
+import type { PlaceWords } from "./english/place.ts";
+import type { ReportWords } from "./english/report.ts";
+import { applyWords } from "./markup.ts";
+
+/** The words that the page begins with, and those that come later. */
+export interface WordsByPart {
+  page: typeof page;
+  place: PlaceWords;
+  report: ReportWords;
+}
+export type Part = keyof WordsByPart;
+export const PARTS: readonly Part[] = ["page", "place", "report"];
 
 interface Language {
   /** In the language itself. */
   name: string;
-  load: () => Promise<Words>;
+  load: { readonly [P in Part]: () => Promise<WordsByPart[P]> };
 }
 
-/** English comes with the viewer, the others when they are chosen. */
+/** English begins with the viewer; all else comes when it is needed. */
 export const LANGUAGES: Readonly<Record<string, Language>> = {
-  en: { name: "English", load: () => Promise.resolve(english) },
-  de: { name: "Deutsch", load: async () => (await import("./german.ts")).german },
+  en: {
+    name: "English",
+    load: {
+      page: () => Promise.resolve(page),
+      place: async () => (await import("./english/place.ts")).place,
+      report: async () => (await import("./english/report.ts")).report,
+    },
+  },
+  de: {
+    name: "Deutsch",
+    load: {
+      page: async () => (await import("./german/page.ts")).page,
+      place: async () => (await import("./german/place.ts")).place,
+      report: async () => (await import("./german/report.ts")).report,
+    },
+  },
 };
 
 const LANGUAGE_KEY = "skyglow.language";
 
-let current: Words = english;
+const loaded: { [P in Part]?: WordsByPart[P] } = { page };
 
-/** The words of the page's language. Ask when they are shown: before `chooseLanguage` they are English. */
-export function words(): Words {
-  return current;
+function part<P extends Part>(name: P): WordsByPart[P] {
+  const found = loaded[name];
+  if (found === undefined) throw new Error(`the words of "${name}" are not loaded`);
+  return found;
+}
+
+/** The words that the page begins with. Ask when they are shown: before `chooseLanguage` they are English. */
+export function words(): WordsByPart["page"] {
+  return part("page");
+}
+
+/** The words of what is there for a picked place. */
+export function placeWords(): WordsByPart["place"] {
+  return part("place");
+}
+
+/** The words of reports. */
+export function reportWords(): WordsByPart["report"] {
+  return part("report");
+}
+
+/** Loads a part in the page's language, once, and puts its words into the page. */
+export async function loadWords(name: Part): Promise<void> {
+  if (loaded[name] !== undefined) return;
+  const found = await LANGUAGES[words().locale]?.load[name]();
+  if (found === undefined) return;
+  Object.assign(loaded, { [name]: found });
+  // The page came with these in English.
+  if (words().locale !== page.locale) applyWords(found);
 }
 
 /** The first language of these tags that the viewer speaks; "de-AT" is spoken as "de". */
@@ -35,14 +86,14 @@ export function matchLanguage(tags: readonly string[]): string {
 export async function chooseLanguage(): Promise<void> {
   const saved = loadSetting(LANGUAGE_KEY);
   const code = matchLanguage([...(saved === null ? [] : [saved]), ...navigator.languages]);
-  if (code === english.locale) return;
+  if (code === page.locale) return;
   try {
-    current = (await LANGUAGES[code]?.load()) ?? english;
+    loaded.page = (await LANGUAGES[code]?.load.page()) ?? page;
   } catch {
     return; // English serves.
   }
-  document.documentElement.lang = current.locale;
-  applyWords(current);
+  document.documentElement.lang = words().locale;
+  applyWords(words());
 }
 
 /** Chooses a language for this visit and the next ones. What is shown is in the page's address and stays. */

@@ -2,8 +2,9 @@
 
 import { api } from "../api/client.ts";
 import { ApiError } from "../api/problem.ts";
+import type { EditBody } from "../api/schema.ts";
 import type { Plan } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { type AppState, CONDITIONS, sceneOf, todaysConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced } from "../ui/dom.ts";
@@ -98,11 +99,24 @@ export class Lights {
   paint(area: PaintedArea, change: PaintChange): void {
     const { painting, scenario } = this.store.state;
     if (isFull(painting)) {
-      this.store.report(new Error(words().paint.full));
+      this.store.report(new Error(placeWords().paint.full));
       return;
     }
     const isFirst = painting.done.length === 0 && painting.undone.length === 0;
     this.repaint(withEdit(isFirst ? { ...painting, base: scenario } : painting, editFrom(area, change)));
+  }
+
+  /** A measure; it takes the place of the one before, where that was the last. */
+  apply(measure: EditBody, before: EditBody | null): void {
+    const { painting, scenario } = this.store.state;
+    const isAgain = before !== null && painting.done.at(-1) === before;
+    const done = isAgain ? painting.done.slice(0, -1) : painting.done;
+    if (isFull({ ...painting, done })) {
+      this.store.report(new Error(placeWords().paint.full));
+      return;
+    }
+    const isFirst = painting.done.length === 0 && painting.undone.length === 0;
+    this.repaint(withEdit({ ...painting, done, ...(isFirst ? { base: scenario } : {}) }, measure));
   }
 
   /** Takes back all that is painted. */

@@ -23,11 +23,18 @@ const NOTHING: readonly never[] = [];
 
 export class MapPanel {
   private map: SkyMap | null = null;
+  /** When the map's outlines are there in full. */
+  readonly drawn: Promise<void>;
+  private tellDrawn: () => void = () => {};
 
   constructor(
     private readonly store: AppStore,
     private readonly painted: (area: PaintedArea) => void,
-  ) {}
+  ) {
+    this.drawn = new Promise((resolve) => {
+      this.tellDrawn = resolve;
+    });
+  }
 
   /** Without WebGL there is no map, but the search box still picks places. */
   async load(): Promise<void> {
@@ -63,6 +70,7 @@ export class MapPanel {
       moved: (view) => store.set({ view }),
       layer: (name, state) => store.set({ layerStates: { ...store.state.layerStates, [name]: state } }),
       split: (split) => store.set({ split }),
+      drawn: this.tellDrawn,
       failed: (reason) => store.report(reason),
     });
   }
@@ -85,6 +93,10 @@ export class MapPanel {
     });
     store.watch(["shownTown"], ({ shownTown }) => map.showTown(shownTown));
     store.watch(["darker"], ({ darker }) => map.showDarker(darker?.places ?? NOTHING));
+    store.watch(["areaShares"], ({ areas, areaShares }) => {
+      const features = (areas?.body as { features?: readonly unknown[] } | undefined)?.features ?? NOTHING;
+      void map.showAreas(areaShares === null ? null : { features, shares: areaShares.areas });
+    });
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

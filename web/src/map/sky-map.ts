@@ -9,6 +9,7 @@ import { words } from "../language/words.ts";
 import type { PaintedArea } from "../lights/painting.ts";
 import type { LayerName, MapView, Place } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
+import { AreasLayer, type SharedAreas } from "./areas-layer.ts";
 import { loadBasemap } from "./basemap.ts";
 import { IS_STILL } from "./motion.ts";
 import { collapseCredits, mainMap } from "./night-map.ts";
@@ -23,6 +24,8 @@ export interface SkyMapEvents {
   layer: (name: LayerName, state: LayerState) => void;
   /** The line between the maps of today and of other lights was drawn to this part of the width. */
   split: (part: number) => void;
+  /** Outlines and names are there in full. */
+  drawn: () => void;
   failed: (reason: unknown) => void;
 }
 
@@ -48,6 +51,7 @@ export class SkyMap {
   private readonly styled: Promise<unknown>;
   private readonly layers: RasterLayers;
   private readonly painter: Painter;
+  private readonly areas: AreasLayer;
   private readonly failedSources = new Set<string>();
   private readonly town: Marker;
   private darker: Marker[] = [];
@@ -73,6 +77,7 @@ export class SkyMap {
     });
 
     this.painter = new Painter(this.map, events.painted);
+    this.areas = new AreasLayer(this.map, this.styled);
     container.append(make("div", "crosshair"));
     const pin = document.createElement("div");
     pin.className = "pin";
@@ -84,9 +89,9 @@ export class SkyMap {
     town.setAttribute("aria-hidden", "true");
     this.town = new Marker({ element: town, anchor: "center" });
 
-    this.map.on("click", ({ lngLat }) => {
-      if (this.painter.isPainting()) return;
-      const { lng, lat } = lngLat.wrap();
+    this.map.on("click", (event) => {
+      if (this.painter.isPainting() || this.areas.takesTap(event)) return;
+      const { lng, lat } = event.lngLat.wrap();
       events.picked({ latitude_deg: lat, longitude_deg: lng });
     });
     this.map.getCanvas().addEventListener("keydown", (event) => {
@@ -107,6 +112,7 @@ export class SkyMap {
     this.map.on("error", (event) => this.report(event, events.failed));
     this.showBasemap("coarse")
       .then(() => this.showBasemap("fine"))
+      .then(events.drawn)
       .catch(events.failed);
   }
 
@@ -196,6 +202,11 @@ export class SkyMap {
       this.cannotCompare = true;
       this.events.failed(reason);
     }
+  }
+
+  /** Shows areas with their shares; null: none. */
+  showAreas(areas: SharedAreas | null): Promise<void> {
+    return this.areas.show(areas);
   }
 
   async showPlaces(places: readonly NamedPlace[]): Promise<void> {

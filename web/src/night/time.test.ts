@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Night } from "../api/types.ts";
+import { loadWords } from "../language/words.ts";
 import {
   clockAt,
   clockTime,
@@ -14,6 +15,8 @@ import {
   rangeOf,
   timeOf,
 } from "./time.ts";
+
+await loadWords("place");
 
 /** As the server tells the night of 12 August 2026 over Ticino, its Moon made up. */
 const AUGUST: Night = {

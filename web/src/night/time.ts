@@ -1,7 +1,7 @@
 // The instants of a night: which night a time belongs to, the Sun and the Moon over it, and clocks there.
 
 import type { Night } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 
 export const MINUTE_MS = 60_000;
 const HOUR_MS = 60 * MINUTE_MS;
@@ -103,5 +103,5 @@ export function clockTime(atMs: number, { offsetMinutes }: Clock): string {
 /** Hours and minutes, as `4 h 05`. */
 export function hoursText(hours: number): string {
   const minutes = Math.round(hours * 60);
-  return words().time.hours(String(Math.floor(minutes / 60)), String(minutes % 60).padStart(2, "0"));
+  return placeWords().time.hours(String(Math.floor(minutes / 60)), String(minutes % 60).padStart(2, "0"));
 }

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { loadWords } from "../language/words.ts";
 import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
 import { COLOUR_MAPS, colourTable } from "./colour-maps.ts";
 import type { CompactPanorama, FourValues } from "./compact.ts";
@@ -12,6 +13,8 @@ import { PHOTOPIC, seenFrom } from "./seen.ts";
 import { DARK_GROUND_RGB, GROUND_RGB, type PictureLook, shadingOf } from "./shading.ts";
 import { encodeSrgb } from "./srgb.ts";
 import { ticks, UNITS, unitBeside, unitFor } from "./units.ts";
+
+await loadWords("place");
 
 const PLOT = { leftPx: 10, topPx: 20, widthPx: 400, heightPx: 200 };
 const STEP_DEG = 90 / 64;

@@ -1,6 +1,6 @@
 // The whole state: what a link holds, and the answers of the server.
 
-import type { AreasBody, DarkerQuery, InfluenceQuery, NightQuery, SharesQuery, SkyParameters } from "../api/client.ts";
+import type { AreaSharesQuery, DarkerQuery, InfluenceQuery, NightQuery, SharesQuery, SkyParameters } from "../api/client.ts";
 import type {
   AreaShares,
   Atmosphere,
@@ -17,6 +17,7 @@ import type {
   SkyAnswer,
   SkyQuantities,
 } from "../api/types.ts";
+import type { Areas } from "../data/areas.ts";
 import { EMPTY_PAINTING, type Painting } from "../lights/painting.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { Brush } from "../map/painter.ts";
@@ -33,12 +34,6 @@ export interface Comparison {
   after: SkyQuantities;
 }
 
-/** Boundaries that somebody chose as a file. */
-export interface Areas {
-  fileName: string;
-  body: AreasBody;
-}
-
 export interface AppState extends ViewState {
   scenes: readonly Scene[];
   atmospheres: readonly Atmosphere[];
@@ -48,6 +43,8 @@ export interface AppState extends ViewState {
   problem: { reason: unknown } | null;
   /** Whether the server does not answer. */
   isAway: boolean;
+  /** When the oldest answer came that was kept for want of a network; null: all are the server's. */
+  storedAtMs: number | null;
   /** How much of the picked place's sky is there. */
   skyStage: "none" | "site" | "numbers" | "picture";
   /** Whether a sky is on its way. */
@@ -100,6 +97,7 @@ export function initialState(view: ViewState): AppState {
     places: [],
     problem: null,
     isAway: false,
+    storedAtMs: null,
     skyStage: "none",
     isBusy: false,
     site: null,
@@ -250,6 +248,11 @@ export function sharesQuery(state: State, place: Place): SharesQuery {
   const marked =
     region === null ? ({ measure: "zenith" } as const) : { measure: "region" as const, region: textFromRegion(region) };
   return { ...coordinatesOf(place), ...pictureConditions(state), ...marked };
+}
+
+/** The same of the areas of a file, under the names that were chosen. */
+export function areaSharesQuery(state: State, place: Place, { nameField }: Pick<Areas, "nameField">): AreaSharesQuery {
+  return { ...sharesQuery(state, place), ...(nameField === null ? {} : { name_field: nameField }) };
 }
 
 /** Darker places are looked for under a clear sky. */

@@ -10,7 +10,7 @@ import { fragmentFromState, stateFromFragment } from "./fragment.ts";
 import { DEFAULT_STATE, type Place, withLayer } from "./view-state.ts";
 
 /** What the browser's history brings back. How it is shown stays as it is: Back undoes a pick, and not the colours chosen after it. */
-const STEPS = ["scene", "place", "scenario", "time", "region", "measure", "view"] as const;
+const STEPS = ["scene", "place", "scenario", "time", "region", "measure", "view", "isReport"] as const;
 /** State of the entries in the browser's history that this page wrote: others are links, or typed by hand. */
 const OWN_ENTRY = "skyglow";
 

@@ -38,6 +38,7 @@ const EVERYTHING: ViewState = {
     { latitude_deg: 46.27917, longitude_deg: 9.4625 },
     { latitude_deg: -1.5, longitude_deg: 36 },
   ],
+  isReport: true,
   layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
 };
 

@@ -114,6 +114,7 @@ export function stateFromFragment(fragment: string): ViewState {
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
     pins: pinsFromText(query.get("pins")),
+    isReport: query.get("report") === "on",
     layers,
   };
 }
@@ -164,6 +165,7 @@ export function fragmentFromState(state: ViewState): string {
   add("region", state.region === null ? null : textFromRegion(state.region), null);
   const pins = state.pins.map(({ latitude_deg, longitude_deg }) => `${+latitude_deg.toFixed(5)},${+longitude_deg.toFixed(5)}`);
   add("pins", pins.join(";"), "");
+  add("report", state.isReport ? "on" : null, null);
   for (const name of LAYERS.toReversed()) add(name, +state.layers[name].toFixed(2), DEFAULT_STATE.layers[name]);
   return parts.length === 0 ? "" : `#${parts.join("&")}`;
 }

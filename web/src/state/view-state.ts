@@ -99,6 +99,8 @@ export interface ViewState {
   region: Region | null;
   /** Places that are compared. */
   pins: readonly Place[];
+  /** Whether the place's report is shown. */
+  isReport: boolean;
   /** Opacity 0..1; 0 is off. */
   layers: Record<LayerName, number>;
 }
@@ -131,6 +133,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   measure: "zenith",
   region: null,
   pins: [],
+  isReport: false,
   layers: { elevation: 0, brightness: 0, radiance: 0.85, influence: 0 },
 };
 

@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { SkyAnswer } from "../api/types.ts";
+import { loadWords } from "../language/words.ts";
 import { captionLines, wrapped } from "./captioned.ts";
+
+await loadWords("place");
 
 /** Below the picture stand the place, the time, its numbers, what was assumed and whose data it is. */
 test("a caption says where, when and whose", () => {

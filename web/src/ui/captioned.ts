@@ -1,7 +1,7 @@
 // The picture of the sky to be passed on: below it stand the place, the time, what was assumed, and whose data it is.
 
 import type { Scene, Shares, SkyAnswer } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { clockAt, clockTime } from "../night/time.ts";
 import type { Place, ViewState } from "../state/view-state.ts";
 import { cloudsTitle } from "./clouds.ts";
@@ -18,8 +18,8 @@ export interface Captioned {
 }
 
 /** The time with its date and clock; without one, that there is none. */
-function when(time: string | null, { longitude_deg }: Place): string {
-  if (time === null) return words().time.noneTold;
+export function timeWithClock(time: string | null, { longitude_deg }: Place): string {
+  if (time === null) return placeWords().time.noneTold;
   const atMs = Date.parse(time);
   const clock = clockAt(atMs, longitude_deg);
   const date = new Date(atMs + clock.offsetMinutes * 60_000).toISOString().slice(0, 10);
@@ -31,7 +31,7 @@ export function captionLines(
   { place, name, scene, answer, shares }: Captioned,
   { time, lamp, clouds, scenario, lights }: Pick<ViewState, "time" | "lamp" | "clouds" | "scenario" | "lights">,
 ): string[] {
-  const say = words();
+  const say = { ...words(), ...placeWords() };
   const at = coordinates(place.latitude_deg, place.longitude_deg);
   const { sky } = answer;
   const bortle = sky.bortle_class == null ? [] : [`${say.numbers.bortleClass} ${sky.bortle_class}`];
@@ -47,7 +47,7 @@ export function captionLines(
   const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];
   return [
     name === at ? at : `${name} · ${at}`,
-    `${when(time, place)} · ${[total, ...bortle].join(" · ")}`,
+    `${timeWithClock(time, place)} · ${[total, ...bortle].join(" · ")}`,
     [...summaryOf(answer), shares === null ? "" : glowSentence(answer, shares)].join(" ").trim(),
     assumed.join(" · "),
     credit.filter((part) => part !== "").join(" · "),

@@ -2,7 +2,7 @@
 
 import type { SkyAnswer } from "../api/types.ts";
 import { typeset } from "../api/units.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import { PHOTOPIC } from "../sky/seen.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -45,7 +45,7 @@ function responseRows({ sky }: SkyAnswer, kind: SkyKind): HTMLElement[] {
 }
 
 function colourRows({ sky, lamp }: SkyAnswer): HTMLElement[] {
-  const say = words().colour;
+  const say = placeWords().colour;
   const xy = sky.zenith_chromaticity?.map((part) => fixed(part, 3)).join(" · ") ?? NONE;
   const lampRatio = say.lampRatio(scotopicRatio(lamp.scotopic_photopic_ratio));
   return [

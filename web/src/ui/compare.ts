@@ -3,11 +3,12 @@
 import { api } from "../api/client.ts";
 import type { SkyAnswer } from "../api/types.ts";
 import { isSamePlace } from "../data/darker-session.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { adaptationOf } from "../sky/shading.ts";
 import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { MAX_PINS, type Place } from "../state/view-state.ts";
+import { directionWords } from "./darker.ts";
 import { byId, make } from "./dom.ts";
 import { fixed, magnitude, ratio } from "./format.ts";
 import { placeName } from "./nearby.ts";
@@ -24,11 +25,24 @@ function requestOf(state: Readonly<AppState>, pin: Place) {
   return { scene: scene.id, parameters: { ...coordinatesOf(pin), ...today, ...lights } };
 }
 
+/** Nothing is looked for as near as this: it is asked what the place itself is like. */
+const AT_THE_PLACE = { within_km: 2, limit: 1 } as const;
+
+/** The request for a pinned place's low sky, which is told under a clear sky alone. */
+function lowSkyRequestOf(state: Readonly<AppState>, pin: Place) {
+  const request = requestOf(state, pin);
+  if (request === null || state.clouds !== null) return null;
+  const { time: _, ...query } = request.parameters;
+  return { scene: request.scene, query: { ...query, ...AT_THE_PLACE } };
+}
+
 export class Compare {
   private readonly button = byId("pin", HTMLButtonElement);
   private readonly table = byId("compare", HTMLElement);
   private requests = new AbortController();
   private readonly answers = new Map<string, SkyAnswer | null>();
+  /** Clean directions of their low skies; null where terrain hides all of it, or nobody knows. */
+  private readonly clean = new Map<string, readonly (readonly number[])[] | null>();
 
   /** `goTo` shows the sky of a place. */
   constructor(
@@ -45,7 +59,7 @@ export class Compare {
       const isPinned = place !== null && pins.some((pin) => isSamePlace(pin, place));
       this.button.setAttribute("aria-pressed", String(isPinned));
       this.button.disabled = !isPinned && pins.length >= MAX_PINS;
-      this.button.textContent = isPinned ? words().compare.unpin : words().compare.pin;
+      this.button.textContent = isPinned ? placeWords().compare.unpin : placeWords().compare.pin;
     });
     const look = ["panorama", "sky", "colours", "exposureEv", "adaptationCdM2", "unit", "projection", "places"] as const;
     store.watch(["pins", "place", "scenes", "time", "skyStage", "isBusy", "isAway", ...CONDITIONS, ...look], (state) => {
@@ -72,6 +86,21 @@ export class Compare {
       if (signal.aborted) return;
       this.show(this.store.state);
     }
+    for (const pin of state.pins) await this.loadLowSky(lowSkyRequestOf(state, pin), signal);
+  }
+
+  /** Where artificial light leaves the horizon dark: what the search for darker places says of its own place. */
+  private async loadLowSky(request: ReturnType<typeof lowSkyRequestOf>, signal: AbortSignal): Promise<void> {
+    const key = JSON.stringify(request);
+    if (signal.aborted || request === null || this.clean.has(key)) return;
+    try {
+      const { here } = await api.darker(request.scene, request.query, signal);
+      this.clean.set(key, here.low_sky?.clean_directions_deg ?? null);
+    } catch {
+      if (signal.aborted) return;
+      this.clean.set(key, null);
+    }
+    if (!signal.aborted) this.show(this.store.state);
   }
 
   private show(state: Readonly<AppState>): void {
@@ -84,7 +113,7 @@ export class Compare {
   }
 
   private card(state: Readonly<AppState>, pin: Place, i: number): HTMLElement {
-    const say = words().compare;
+    const say = placeWords().compare;
     const request = requestOf(state, pin);
     const answer = this.answers.get(JSON.stringify(request)) ?? null;
     const name = placeName(pin, state.places);
@@ -112,12 +141,18 @@ export class Compare {
     image.alt = say.skyOver(name);
     image.width = PICTURE_WIDTH_PX;
     image.height = PICTURE_WIDTH_PX / 2;
-    return make("li", "", head, image, numbersOf(answer));
+    const clean = this.clean.get(JSON.stringify(lowSkyRequestOf(state, pin))) ?? null;
+    return make("li", "", head, image, numbersOf(answer), ...(clean === null ? [] : [lowSky(clean)]));
   }
 }
 
+function lowSky(clean: readonly (readonly number[])[]): HTMLElement {
+  const say = placeWords().darker;
+  return make("p", "compare-horizon", clean.length === 0 ? say.notClean : say.clean(directionWords(clean)));
+}
+
 function numbersOf(answer: SkyAnswer | null): HTMLElement {
-  const say = words();
+  const say = placeWords();
   const { sky } = answer ?? {};
   const number = (title: string, value: string | null) =>
     make("div", "", make("dt", "", title), make("dd", "", sky === undefined ? "…" : (value ?? "–")));

@@ -1,7 +1,7 @@
 // What changed lights change for eyes by day, eyes at night, and a meter.
 
 import type { SkyQuantities } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import type { Comparison } from "../state/app-state.ts";
 import { make } from "./dom.ts";
 import { decimal, fixed, magnitude, ratio, withPrefix } from "./format.ts";
@@ -36,7 +36,7 @@ function luminanceRow(key: string, name: string, before: number, after: number):
 
 /** A meter's number is smaller where the sky is brighter, so it is said which it is. */
 function meterRow(before: SkyQuantities, after: SkyQuantities): HTMLElement {
-  const { meter, brighter, darker } = words().comparison;
+  const { meter, brighter, darker } = placeWords().comparison;
   const from = before.sqm_total_brightness_mag_arcsec2 ?? null;
   const to = after.sqm_total_brightness_mag_arcsec2 ?? null;
   const detail = `${magnitude(from)} → ${magnitude(to)} mag/arcsec²`;
@@ -48,7 +48,8 @@ function meterRow(before: SkyQuantities, after: SkyQuantities): HTMLElement {
 
 /** Photopic and scotopic luminance of artificial light at the zenith and the meter's reading, before and after. */
 export function comparisonRows({ before, after }: Comparison): HTMLElement[] {
-  const { comparison: say, responses } = words();
+  const { comparison: say } = placeWords();
+  const { responses } = words();
   const list = make(
     "dl",
     "number-list comparison",
@@ -65,5 +66,5 @@ export function colourNote(before: number | null, after: number | null): string 
   if (before === null || after === null || before <= 0) return "";
   const change = after / before - 1;
   if (Math.abs(change) < SAME_COLOUR) return "";
-  return change > 0 ? words().comparison.bluer : words().comparison.redder;
+  return change > 0 ? placeWords().comparison.bluer : placeWords().comparison.redder;
 }

@@ -2,7 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { DarkerPlace } from "../api/types.ts";
 import { isSamePlace } from "../data/darker-session.ts";
+import { loadWords } from "../language/words.ts";
 import { darkerName, directionWords } from "./darker.ts";
+
+await loadWords("place");
 
 /** Ranges are told by the names of their ends, across north too, and a whole circle as such. */
 test("clean directions are told in words", () => {

@@ -2,7 +2,7 @@
 
 import type { DarkerPlace } from "../api/types.ts";
 import { isSamePlace, WITHIN_KM } from "../data/darker-session.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
@@ -16,7 +16,7 @@ const AT_TOWN_M = 1500;
 
 /** Ranges of azimuth by the names of their ends, such as "NW to E". */
 export function directionWords(ranges: readonly (readonly number[])[]): string {
-  const say = words().darker;
+  const say = placeWords().darker;
   const names = ranges.map(([firstDeg = 0, lastDeg = 0]) => {
     if ((lastDeg - firstDeg + 360) % 360 >= ALL_AROUND_DEG || lastDeg - firstDeg >= 360) return say.allAround;
     const [first, last] = [compassName(firstDeg), compassName(lastDeg)];
@@ -38,13 +38,13 @@ export function mountDarker(store: AppStore, goTo: (place: Place) => void): void
   const list = byId("darker-list", HTMLElement);
   const status = byId("darker-status", HTMLElement);
   const title = byId("darker-title", HTMLElement);
-  title.textContent = words().darker.title(whole(WITHIN_KM));
+  title.textContent = placeWords().darker.title(whole(WITHIN_KM));
   fold.addEventListener("toggle", () => store.set({ isDarkerOpen: fold.open }));
   store.watch(["isDarkerOpen"], ({ isDarkerOpen }) => {
     fold.open = isDarkerOpen;
   });
   store.watch(["darker", "isDarkerOpen"], ({ darker, isDarkerOpen }) => {
-    const say = words().darker;
+    const say = placeWords().darker;
     fold.setAttribute("aria-busy", String(isDarkerOpen && darker === null));
     if (darker === null) status.textContent = isDarkerOpen ? say.waiting : "";
     else status.textContent = darker.places.length === 0 ? say.none(whole(WITHIN_KM)) : say.lead;
@@ -60,7 +60,7 @@ export function mountDarker(store: AppStore, goTo: (place: Place) => void): void
 }
 
 function darkerRow(place: DarkerPlace, goTo: (place: Place) => void): HTMLElement {
-  const say = words().darker;
+  const say = placeWords().darker;
   const clean = place.low_sky?.clean_directions_deg ?? [];
   const facts = [
     say.away(whole(Math.round(place.distance_m / 1000)), compassName(place.azimuth_deg)),

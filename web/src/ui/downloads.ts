@@ -1,7 +1,7 @@
 // Links to the same sky as files, straight from the API.
 
 import { api, type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import {
   type AppState,
   CONDITIONS,
@@ -58,7 +58,7 @@ function link(title: string, href: string, description: string): HTMLElement {
 
 /** Whose light it is: every lit pixel's part in the measure of the map's layer. */
 function showInfluenceDownloads(container: HTMLElement, scene: string, query: InfluenceQuery): void {
-  const { influenceTif, influenceList } = words().downloads;
+  const { influenceTif, influenceList } = placeWords().downloads;
   // The list has the thousand of most influence; the raster has them all.
   const listed = { ...query, limit: 1000 };
   container.replaceChildren(
@@ -87,10 +87,10 @@ function showDownloads(container: HTMLElement, scene: string, parameters: SkyPar
   // Rasters hold the radiance in bands, whatever sees it.
   const { response: _, ...raster } = parameters;
   container.replaceChildren(
-    link("PNG", pictureUrl(scene, parameters, state), words().downloads.png),
-    link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, raster), words().downloads.exr),
-    link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, raster), words().downloads.tiff),
-    link("JSON", urlOf("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), words().downloads.json),
-    link("API", urlOf("/api/docs", {}, {}), words().downloads.api),
+    link("PNG", pictureUrl(scene, parameters, state), placeWords().downloads.png),
+    link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, raster), placeWords().downloads.exr),
+    link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, raster), placeWords().downloads.tiff),
+    link("JSON", urlOf("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), placeWords().downloads.json),
+    link("API", urlOf("/api/docs", {}, {}), placeWords().downloads.api),
   );
 }

@@ -1,6 +1,6 @@
 // Numbers as people read them.
 
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { brightnessMagArcsec2 } from "../photometry.ts";
 import type { Seen } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
@@ -54,7 +54,7 @@ export function quantity(value: number, unit: string): string {
 }
 
 export function magnitude(brightnessMagArcsec2: number | null): string {
-  return brightnessMagArcsec2 === null ? words().numbers.noLight : fixed(brightnessMagArcsec2, 2);
+  return brightnessMagArcsec2 === null ? placeWords().numbers.noLight : fixed(brightnessMagArcsec2, 2);
 }
 
 /** How many times the natural sky: 0.003, 0.84, 12, 340. */
@@ -67,7 +67,7 @@ export function ratio(value: number): string {
 /** A value of what sees the sky, as a number and its unit. */
 export function inUnit(value: number, unit: BrightnessUnit, seen: Seen): [value: string, unit: string] {
   if (unit === "magnitude") return [magnitude(brightnessMagArcsec2(value)), "mag/arcsec²"];
-  if (unit === "ratio") return [`${ratio(value / (seen.natural ?? NaN))} ×`, words().numbers.natural];
+  if (unit === "ratio") return [`${ratio(value / (seen.natural ?? NaN))} ×`, placeWords().numbers.natural];
   // Radiances of satellites are told in nW all over.
   if (seen.unit.startsWith("nW")) return [shortNumber(value), seen.unit];
   const [shown = "", name = ""] = withPrefix(value, seen.unit).split(" ");

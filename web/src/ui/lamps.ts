@@ -69,6 +69,11 @@ export function emissions(): Named[] {
   return Object.entries(words().emissions);
 }
 
+/** What a way of sending light is called; weights of the user's own as they are. */
+export function emissionTitle(emission: string): string {
+  return emissions().find(([name]) => name === emission)?.[1] ?? words().assumptions.own(emission);
+}
+
 /** Shares of the lamps' light that the server's named emissions mean: directly above the horizon, and sent back by the ground. */
 const SHARES: Readonly<Record<string, readonly [directUplight: number, groundReflectance: number]>> = {
   modern_city: [0.02, 0.15],

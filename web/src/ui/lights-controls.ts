@@ -1,6 +1,6 @@
 // Which lights are shown: those of today, those of a plan or painting, or one beside the other.
 
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { isCompared, scenarioOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { LightsKind } from "../state/view-state.ts";
@@ -20,7 +20,7 @@ export function mountLightsControls(store: AppStore): void {
   });
   store.watch(["split"], (state) => {
     split.value = String(Math.round(100 * state.split));
-    split.setAttribute("aria-valuetext", words().plan.percent(split.value));
+    split.setAttribute("aria-valuetext", placeWords().plan.percent(split.value));
   });
   store.watch([scenarioOf], (state) => {
     const { withPlan, asPainted } = words().sky;

@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { NightHour, NightHours } from "../api/types.ts";
+import { loadWords } from "../language/words.ts";
 import { bestOf, bestText, curveHeight, curvePoints } from "./night-curve.ts";
+
+await loadWords("place");
 
 const hour = (utc: string, mag: number | null) =>
   ({ time: `2026-08-12T${utc}:00Z`, zenith_total_brightness_mag_arcsec2: mag }) as NightHour;

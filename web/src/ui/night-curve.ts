@@ -1,7 +1,7 @@
 // How dark the zenith is over the hours of a night: a curve above the time line, darker higher, and the best hour.
 
 import type { NightHour, NightHours } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { type Clock, clockTime, type Part } from "../night/time.ts";
 import { make } from "./dom.ts";
 import { fixed } from "./format.ts";
@@ -45,7 +45,7 @@ export function bestOf({ best_hour, hours }: NightHours): { atMs: number; mag: n
 /** The best hour in words. */
 export function bestText(hours: NightHours, clock: Clock): string {
   const best = bestOf(hours);
-  return best === null ? "" : words().time.bestTold(clockTime(best.atMs, clock), fixed(best.mag, 1));
+  return best === null ? "" : placeWords().time.bestTold(clockTime(best.atMs, clock), fixed(best.mag, 1));
 }
 
 /** Draws the curve; without hours its room stays empty. */

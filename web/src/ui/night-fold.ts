@@ -1,7 +1,7 @@
 // What the natural sky of a time is made of, for who unfolds it.
 
 import type { NightSky } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import { make } from "./dom.ts";
 import { magnitude, whole } from "./format.ts";
@@ -11,14 +11,14 @@ import { row } from "./row.ts";
 let isOpen = false;
 
 function whereabouts(altitudeDeg: number, azimuthDeg: number): string {
-  const { upTowards, belowHorizon } = words().numbers;
+  const { upTowards, belowHorizon } = placeWords().numbers;
   const degrees = whole(Math.abs(Math.round(altitudeDeg)));
   return altitudeDeg < 0 ? belowHorizon(degrees) : upTowards(degrees, compassName(azimuthDeg));
 }
 
 /** Components of the natural sky at the zenith, the brightest first, Sun and Moon, and how many stars are seen. */
 export function nightFold({ components, moon, sun, stars }: NightSky): HTMLElement {
-  const say = words().numbers;
+  const say = placeWords().numbers;
   const lit = components
     .filter(({ zenith_luminance_cd_m2 }) => zenith_luminance_cd_m2 > 0)
     .sort((a, b) => b.zenith_luminance_cd_m2 - a.zenith_luminance_cd_m2);

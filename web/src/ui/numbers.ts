@@ -1,7 +1,7 @@
 // The card of numbers for the picked place.
 
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import { eyeBefore } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
@@ -45,7 +45,7 @@ function depthNear550(atNodes: readonly number[]): number {
 function showSite(container: HTMLElement, site: Site): void {
   const { terrain_altitude_m: terrainM, radiance_nw_cm2_sr: radiance } = site;
   const noNumber = (value: number | null | undefined): value is null | undefined => value === null || value === undefined;
-  const { ground, unknown, aboveSea, upward, noData } = words().numbers;
+  const { ground, unknown, aboveSea, upward, noData } = placeWords().numbers;
   const rows = [
     noNumber(terrainM) ? row(ground, unknown, "", "terrain") : row(ground, `${Math.round(terrainM)}`, aboveSea, "terrain"),
     noNumber(radiance) ? row(upward, noData, "", "radiance") : row(upward, shortNumber(radiance), "nW cm⁻² sr⁻¹", "radiance"),
@@ -55,7 +55,7 @@ function showSite(container: HTMLElement, site: Site): void {
 
 /** What terrain hides, in words. */
 export function terrainTitle(answer: Pick<SkyAnswer, "terrain_occlusion" | "hidden_lights">): string {
-  const { hidesNothing, hidesSky, hidesSkyAndLights } = words().numbers;
+  const { hidesNothing, hidesSky, hidesSkyAndLights } = placeWords().numbers;
   if (!answer.terrain_occlusion) return hidesNothing;
   return answer.hidden_lights ? hidesSkyAndLights : hidesSky;
 }
@@ -69,7 +69,7 @@ function warning(text: string): HTMLElement {
 
 /** Artificial light at the zenith, beside all light. */
 function artificialAlone({ sky, dark_reference: dark }: SkyAnswer, unit: BrightnessUnit): HTMLElement {
-  const say = words().numbers;
+  const say = placeWords().numbers;
   if (sky.ratio_to_natural < NO_ARTIFICIAL_RATIO)
     return make("span", "zenith-luminance", say.artificialLess(decimal(100 * NO_ARTIFICIAL_RATIO)));
   // The server's own magnitude, wherever it stands.
@@ -84,18 +84,18 @@ function artificialAlone({ sky, dark_reference: dark }: SkyAnswer, unit: Brightn
 
 /** What there is to say of a Bortle class. */
 function bortleWords({ sky, coverage, night_sky }: SkyAnswer): string {
-  const say = words().numbers;
+  const say = placeWords().numbers;
   if (sky.bortle_class == null) return say.overcast;
   const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
   if (light !== null) return light === "sun" ? say.inTwilight : say.inMoonlight;
-  const name = words().bortle[sky.bortle_class - 1] ?? "";
+  const name = placeWords().bortle[sky.bortle_class - 1] ?? "";
   return coverage < WELL_KNOWN ? say.orBrighter(name) : name;
 }
 
 /** The numbers of a sky: all light first, which a meter sees, beside it artificial light alone. */
 function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: ViewState, scene: Scene): void {
   const { sky } = answer;
-  const say = words().numbers;
+  const say = placeWords().numbers;
   const totalMag = make("b", "", magnitude(sky.zenith_total_brightness_mag_arcsec2 ?? null));
   totalMag.dataset.value = "zenith_total_mag";
   const byUnit = unit === "magnitude";

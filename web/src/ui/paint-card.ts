@@ -1,7 +1,7 @@
 // What if the lights were others: what a stroke on the map does, and what all of them do.
 
 import type { Scenario } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { type PaintChange, type Painting, type PaintKind, withRedo, withUndo } from "../lights/painting.ts";
 import type { Brush } from "../map/painter.ts";
@@ -88,7 +88,7 @@ export class PaintCard {
       typeof lamp === "object" && lamp !== null && "to" in lamp ? [lamp.to] : [lamp],
     );
     const there = [...lampsIn(assumed), ...painted];
-    const options = [["", words().paint.allLamps] as const, ...lamps().filter(([name]) => there.includes(name))];
+    const options = [["", placeWords().paint.allLamps] as const, ...lamps().filter(([name]) => there.includes(name))];
     const isSame =
       options.length === this.lampFrom.options.length && options.every(([name], i) => this.lampFrom.options[i]?.value === name);
     if (isSame) return;
@@ -119,7 +119,7 @@ export class PaintCard {
     const { changed_pixels, new_pixels, flux_before_dnb_w, flux_after_dnb_w } = scenario;
     const change = flux_before_dnb_w > 0 ? (100 * (flux_after_dnb_w - flux_before_dnb_w)) / flux_before_dnb_w : NaN;
     const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${fixed(change, Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
-    const { changed, changedSomeDark, upward } = words().paint;
+    const { changed, changedSomeDark, upward } = placeWords().paint;
     const pixels = new_pixels > 0 ? changedSomeDark(whole(changed_pixels), whole(new_pixels)) : changed(whole(changed_pixels));
     const lights = make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`);
     this.answer.replaceChildren(...(comparison === null ? [] : comparisonRows(comparison)), lights);
@@ -132,13 +132,13 @@ export class PaintCard {
       byId(`${input.id}-value`, HTMLOutputElement).value = text;
       input.setAttribute("aria-valuetext", text);
     };
-    say(this.factor, this.factor.value === "0" ? words().paint.switchedOff : `${this.factor.value} %`);
+    say(this.factor, this.factor.value === "0" ? placeWords().paint.switchedOff : `${this.factor.value} %`);
     say(this.add, `${this.add.value} nW/cm²/sr`);
     say(this.radius, `${this.radius.value} km`);
     this.draw.setAttribute("aria-pressed", String(this.isPainting));
-    this.draw.textContent = this.isPainting ? words().paint.stop : words().paint.draw;
+    this.draw.textContent = this.isPainting ? placeWords().paint.stop : placeWords().paint.draw;
     byId("paint-stop", HTMLButtonElement).hidden = !this.isPainting;
-    byId("paint-hint", HTMLElement).textContent = this.isPainting ? words().paint.hint : "";
+    byId("paint-hint", HTMLElement).textContent = this.isPainting ? placeWords().paint.hint : "";
     this.store.set({ brush: this.isPainting ? { shape: this.shape, radiusM: 1000 * Number(this.radius.value) } : null });
   }
 }

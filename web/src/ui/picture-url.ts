@@ -9,7 +9,7 @@ import { type AppState, seenOf } from "../state/app-state.ts";
 
 type PictureQuery = Parameters<typeof urlOf<"/api/v1/scenes/{scene}/panorama.png">>[2];
 /** How it differs from what the page shows. */
-type PictureMore = Partial<Pick<PictureQuery, "width" | "legend" | "adaptation">>;
+export type PictureMore = Partial<Pick<PictureQuery, "width" | "height_px" | "legend" | "adaptation">>;
 
 /** A sky as it is shown here, as a picture from the API. */
 export function pictureUrl(scene: string, parameters: SkyParameters, state: AppState, more: PictureMore = {}): string {

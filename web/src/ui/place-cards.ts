@@ -5,19 +5,29 @@ import { DarkerSession } from "../data/darker-session.ts";
 import { followNight, followNightHours } from "../data/night-session.ts";
 import { SharesSession } from "../data/shares-session.ts";
 import type { Lights } from "../lights/lights.ts";
+import { Legend } from "../sky/legend.ts";
+import { SkyView } from "../sky/sky-view.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
+import { mountAreas } from "./areas.ts";
+import { BenchCard } from "./bench-card.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
 import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
+import { byId } from "./dom.ts";
 import { mountDownloads } from "./downloads.ts";
+import { mountEmbedCode } from "./embed-code.ts";
+import { mountLightsControls } from "./lights-controls.ts";
 import { mountNumbers } from "./numbers.ts";
 import { PaintCard } from "./paint-card.ts";
+import { mountPictureControls } from "./picture-controls.ts";
 import { PlanCard } from "./plan-card.ts";
 import { mountReadout } from "./readout.ts";
 import { mountRegionButton } from "./region-button.ts";
+import { mountReportButton } from "./report-button.ts";
 import { mountShare } from "./share.ts";
 import { mountShares } from "./shares.ts";
+import { mountSummary } from "./summary.ts";
 import { TimeLine } from "./time-line.ts";
 
 /** What they move the map to. */
@@ -27,12 +37,18 @@ export interface MapMoves {
 }
 
 export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves): PaintCard {
+  mountPictureControls(store);
+  mountLightsControls(store);
+  mountSummary(store);
+  new Legend(store);
+  new SkyView(byId("sky-view", HTMLElement), store);
   mountReadout(store);
   mountRegionButton(store);
   followNight(store);
   followNightHours(store);
   new SharesSession(store);
   mountShares(store, (town) => map.showTown(town));
+  mountAreas(store);
   new TimeLine(store);
   new DarkerSession(store);
   const goTo = (place: Place) => {
@@ -46,5 +62,8 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   mountDownloads(store);
   new PlanCard(store, lights);
   mountShare(lights);
+  mountReportButton(store, lights);
+  mountEmbedCode(store, lights);
+  new BenchCard(store, lights);
   return new PaintCard(store, lights);
 }

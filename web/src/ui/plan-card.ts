@@ -2,7 +2,7 @@
 
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
@@ -27,7 +27,7 @@ function measureWords(measure: string): string {
 export function effectByTown(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
   const sums = new Map<string, number>();
   for (const pixel of pixels) {
-    const town = nearestPlace(pixel, places)?.name ?? words().plan.far;
+    const town = nearestPlace(pixel, places)?.name ?? placeWords().plan.far;
     sums.set(town, (sums.get(town) ?? 0) + pixel.effect);
   }
   return [...sums].sort(([, a], [, b]) => b - a);
@@ -47,7 +47,7 @@ export class PlanCard {
     store.watch(["isSearching"], ({ isSearching }) => {
       this.card.setAttribute("aria-busy", String(isSearching));
       // Plans that follow a slider need no message: the sky shows them.
-      this.progress.textContent = isSearching && !form.isLive() ? words().plan.searching : "";
+      this.progress.textContent = isSearching && !form.isLive() ? placeWords().plan.searching : "";
     });
     store.watch([planOf, "places"], (state) => this.show(planOf(state), state.places));
   }
@@ -62,7 +62,12 @@ export class PlanCard {
     return plan.sites.flatMap((site) => {
       const where = measureWords(site.measure);
       const name = placeName(site.observer, places);
-      const reached = make("p", "plan-reached", make("b", "", words().plan.darker(percent(site.reduced_by))), ` ${where}, ${name}`);
+      const reached = make(
+        "p",
+        "plan-reached",
+        make("b", "", placeWords().plan.darker(percent(site.reduced_by))),
+        ` ${where}, ${name}`,
+      );
       reached.dataset.reducedBy = String(site.reduced_by);
       const { target, before } = site;
       const unmet = target == null || target.is_met || before <= 0 ? [] : [make("p", "warning", outOfReach(target, before))];
@@ -77,19 +82,19 @@ export class PlanCard {
         "dl",
         "number-list",
         changeRow(
-          words().plan.zenith,
+          placeWords().plan.zenith,
           magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null),
           magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null),
           "mag/arcsec²",
         ),
         ...(sky_before.bortle_class == null || sky_after.bortle_class == null
           ? []
-          : [changeRow(words().numbers.bortleClass, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
+          : [changeRow(placeWords().numbers.bortleClass, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
         ...(sky_before.naked_eye_limit_mag == null || sky_after.naked_eye_limit_mag == null
           ? []
           : [
               changeRow(
-                words().numbers.faintestStars,
+                placeWords().numbers.faintestStars,
                 fixed(sky_before.naked_eye_limit_mag, 2),
                 fixed(sky_after.naked_eye_limit_mag, 2),
                 "mag",
@@ -101,19 +106,19 @@ export class PlanCard {
     const light = make(
       "p",
       "",
-      words().plan.light(
+      placeWords().plan.light(
         percent(plan.flux_removed_share),
         withPrefix(plan.flux_removed_dnb_w, "W"),
         whole(plan.dimmed_pixels),
         whole(plan.lit_pixels_within_reach),
       ),
     );
-    const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", words().plan.listed(whole(LISTED_PIXELS)))] : [];
-    return [...sites, light, make("p", "lead", words().plan.marked), ...more, ...towns(plan.pixels, places), files(plan.id)];
+    const more = plan.pixels.length < plan.dimmed_pixels ? [make("p", "", placeWords().plan.listed(whole(LISTED_PIXELS)))] : [];
+    return [...sites, light, make("p", "lead", placeWords().plan.marked), ...more, ...towns(plan.pixels, places), files(plan.id)];
   }
 
   private drop(): HTMLElement {
-    const button = make("button", "quiet", words().plan.drop) as HTMLButtonElement;
+    const button = make("button", "quiet", placeWords().plan.drop) as HTMLButtonElement;
     button.type = "button";
     button.id = "plan-drop";
     button.addEventListener("click", () => this.lights.drop());
@@ -123,7 +128,7 @@ export class PlanCard {
 
 /** Why a goal is not met: how far all lights together go. */
 function outOfReach({ wanted, least }: { wanted: number; least: number }, before: number): string {
-  return words().plan.outOfReach(percent(1 - wanted / before), percent(1 - least / before));
+  return placeWords().plan.outOfReach(percent(1 - wanted / before), percent(1 - least / before));
 }
 
 function changeRow(title: string, before: string, after: string, unit: string): HTMLElement {
@@ -141,13 +146,13 @@ function towns(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): H
   const all = effectByTown(pixels, places);
   const rest = all.slice(NAMED_TOWNS).reduce((sum, [, effect]) => sum + effect, 0);
   const shown: [string, number][] =
-    rest > 0 ? [...all.slice(0, NAMED_TOWNS), [words().plan.more(all.length - NAMED_TOWNS), rest]] : all;
+    rest > 0 ? [...all.slice(0, NAMED_TOWNS), [placeWords().plan.more(all.length - NAMED_TOWNS), rest]] : all;
   const rows = shown.map(([name, effect]) => {
     const bar = make("i", "");
     bar.style.width = `${100 * effect}%`;
     return make("li", "", make("span", "", name), make("b", "", percent(effect)), bar);
   });
-  return [make("h3", "", words().plan.towns), make("ul", "towns", ...rows)];
+  return [make("h3", "", placeWords().plan.towns), make("ul", "towns", ...rows)];
 }
 
 function files(id: string): HTMLElement {

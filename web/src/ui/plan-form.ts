@@ -1,7 +1,7 @@
 // The request for a reduction plan: the least light for a target, or the lights above thresholds of influence, live as sliders move.
 
 import type { Plan } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { PLAN_MEASURES, type PlanMethod, type PlanRequest } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
@@ -125,7 +125,7 @@ export class PlanForm {
       if (norm.disabled && this.measure.value === "norm") this.measure.value = "zenith";
       else this.showMeasure(this.store.state.measure);
     }
-    const { lead, leadThreshold, find, findThreshold } = words().plan;
+    const { lead, leadThreshold, find, findThreshold } = placeWords().plan;
     byId("plan-lead", HTMLElement).textContent = method === "target" ? lead : leadThreshold;
     this.find.textContent = method === "target" ? find : findThreshold;
     this.showValues();
@@ -135,7 +135,7 @@ export class PlanForm {
     for (const slider of [this.reduction, this.cut, this.lower, this.upper, this.gamma]) {
       const value = decimal(slider.value);
       byId(`${slider.id}-value`, HTMLOutputElement).value = `${value} %`;
-      slider.setAttribute("aria-valuetext", words().plan.percent(value));
+      slider.setAttribute("aria-valuetext", placeWords().plan.percent(value));
     }
   }
 }

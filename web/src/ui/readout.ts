@@ -1,6 +1,6 @@
 // What the pointed direction of the sky shows, in words.
 
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import { type SkyKind, type SkySample, valueFor } from "../sky/grid.ts";
 import { compassName } from "../sky/projection.ts";
 import type { Seen } from "../sky/seen.ts";
@@ -19,7 +19,7 @@ export function mountReadout(store: AppStore): void {
 }
 
 function showReadout(container: HTMLElement, sample: SkySample | null, kind: SkyKind, unit: BrightnessUnit, seen: Seen): void {
-  const say = words().readout;
+  const say = placeWords().readout;
   if (sample === null) {
     container.replaceChildren(make("span", "hint", say.hint));
     container.removeAttribute("data-azimuth-deg");
@@ -57,7 +57,7 @@ function item(name: string, value: string, unit: string): HTMLElement {
 
 function directionItems({ azimuthDeg, elevationDeg }: SkySample): HTMLElement[] {
   return [
-    item(words().readout.azimuth, `${fixed(azimuthDeg, 1)}°`, compassName(azimuthDeg)),
-    item(words().readout.elevation, `${fixed(elevationDeg, 1)}°`, ""),
+    item(placeWords().readout.azimuth, `${fixed(azimuthDeg, 1)}°`, compassName(azimuthDeg)),
+    item(placeWords().readout.elevation, `${fixed(elevationDeg, 1)}°`, ""),
   ];
 }

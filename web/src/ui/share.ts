@@ -1,6 +1,6 @@
 // The link to what is shown: handed to the phone's own list of ways to share, or copied.
 
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { byId } from "./dom.ts";
 
@@ -16,12 +16,12 @@ export function mountShare(lights: Lights): void {
       .lasting()
       .then(() => share(location.href))
       .then((how) => {
-        status.textContent = how === "copied" ? words().downloads.copied : "";
+        status.textContent = how === "copied" ? placeWords().downloads.copied : "";
         setTimeout(() => (status.textContent = ""), STATUS_MS);
       })
       .catch(() => {
         // Where neither is allowed, the link is there to be copied by hand.
-        status.textContent = words().downloads.copyByHand;
+        status.textContent = placeWords().downloads.copyByHand;
         field.value = location.href;
         field.hidden = false;
         field.focus();

@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { PlaceShare, Shares } from "../api/types.ts";
+import { loadWords } from "../language/words.ts";
 import { listedTowns } from "./shares.ts";
+
+await loadWords("place");
 
 const part = (share: number) => ({ share, influence: 0, pixels: 1, flux_dnb_w: 1 });
 const town = (name: string, share: number): PlaceShare => ({

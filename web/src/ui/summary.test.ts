@@ -1,7 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { NightSky, SkyAnswer } from "../api/types.ts";
+import { loadWords } from "../language/words.ts";
 import { aboutStars, glowSentence, summaryOf } from "./summary.ts";
+
+await loadWords("place");
 
 const SKY = { bortle_class: 5, ratio_to_natural: 2.4, zenith_luminance_cd_m2: 4e-4, naked_eye_limit_mag: 5.5 };
 

@@ -1,7 +1,7 @@
 // One sentence first: what the sky is like, in plain words.
 
 import type { NightSky, Shares, SkyAnswer } from "../api/types.ts";
-import { words } from "../language/words.ts";
+import { placeWords, words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
 import { whole } from "./format.ts";
@@ -45,7 +45,7 @@ export function dominantLight({ components }: NightSky, artificialCdM2: number):
 
 /** What the sky is like, without whose light it is. */
 function quality({ sky, coverage, night_sky }: Summarized): string {
-  const say = words().summary;
+  const say = placeWords().summary;
   const known = whole(Math.round(100 * coverage));
   const bortleClass = sky.bortle_class ?? null;
   if (bortleClass === null) return say.overcast;
@@ -66,7 +66,7 @@ function quality({ sky, coverage, night_sky }: Summarized): string {
 }
 
 function milkyWay({ sky, night_sky }: Summarized): string {
-  const say = words().summary;
+  const say = placeWords().summary;
   if (night_sky != null) {
     if (night_sky.milky_way == null) return "";
     return say.milkyWay[reached(night_sky.milky_way.contrast, MILKY_WAY_CONTRASTS)] ?? "";
@@ -77,7 +77,7 @@ function milkyWay({ sky, night_sky }: Summarized): string {
 /** The sentences, the first of which says most. */
 export function summaryOf(answer: Summarized): string[] {
   const { sky, night_sky } = answer;
-  const say = words().summary;
+  const say = placeWords().summary;
   const first = quality(answer);
   if (sky.bortle_class == null) return [first];
   const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
@@ -88,7 +88,7 @@ export function summaryOf(answer: Summarized): string[] {
 
 /** Whose light it is overhead, in a sentence; empty where there is nothing to say. */
 export function glowSentence({ sky, night_sky }: Summarized, { measure, places }: Pick<Shares, "measure" | "places">): string {
-  const say = words().summary;
+  const say = placeWords().summary;
   const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
   const [first, ...others] = places;
   if (measure !== "zenith" || first === undefined || isDay || sky.ratio_to_natural < PRISTINE_RATIO) return "";

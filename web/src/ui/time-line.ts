@@ -2,7 +2,7 @@
 
 import type { Night } from "../api/types.ts";
 import { eveningOfState } from "../data/night-session.ts";
-import { words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import {
   type Clock,
   clockAt,
@@ -111,7 +111,7 @@ export class TimeLine {
     if (night === null || place === null) return;
     const atMs = time === null ? darkestOf(night) : Date.parse(time);
     if (document.activeElement !== this.slider || time === null) this.slider.value = String(Math.round(atMs / MINUTE_MS));
-    const text = time === null ? words().time.noneTold : timeText(night, atMs, clockAt(atMs, place.longitude_deg));
+    const text = time === null ? placeWords().time.noneTold : timeText(night, atMs, clockAt(atMs, place.longitude_deg));
     this.told.value = text;
     this.slider.setAttribute("aria-valuetext", text);
   }
@@ -119,7 +119,7 @@ export class TimeLine {
 
 /** The time, the Sun and the Moon. */
 function timeText(night: Night, atMs: number, clock: Clock): string {
-  const say = words().time;
+  const say = placeWords().time;
   const isMoonUp = moonParts(night).some(({ fromMs, untilMs }) => atMs >= fromMs && atMs <= untilMs);
   const sky = [say.darkness[darknessAt(night, atMs)], ...(isMoonUp ? [say.moonUp] : [])].join(", ");
   return say.told(clockTime(atMs, clock), clock.name, sky);
@@ -129,7 +129,7 @@ function timeText(night: Night, atMs: number, clock: Clock): string {
 export function nightText(night: Night, clock: Clock): string {
   const { dark_intervals, dark_hours, moon } = night;
   const range = rangeOf(night);
-  const say = words().time;
+  const say = placeWords().time;
   const at = (utc: string) => clockTime(Date.parse(utc), clock);
   const parts = dark_intervals.map(({ from_utc, until_utc }) => `${at(from_utc)}–${at(until_utc)}`).join(", ");
   const dark = parts === "" ? say.neverDark : say.dark(hoursText(dark_hours), parts);

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, describeProblem } from "../api/problem.ts";
 import { typeset } from "../api/units.ts";
-import { words } from "../language/words.ts";
+import { loadWords, words } from "../language/words.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
 import { changeOf, colourNote } from "./comparison.ts";
 import { coordinates, ratio, withPrefix } from "./format.ts";
@@ -12,6 +12,8 @@ import { distanceAndBearing, placeName } from "./nearby.ts";
 import { terrainTitle } from "./numbers.ts";
 import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";
 import { matchingPlaces } from "./search.ts";
+
+await loadWords("place");
 
 const NAIROBI = { name: "Nairobi", latitude_deg: -1.286, longitude_deg: 36.817, population: 4_400_000 };
 const PLACES = [

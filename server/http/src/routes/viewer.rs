@@ -29,6 +29,9 @@ struct Viewer;
 const VIEWER_POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self' blob:; style-src 'self'; \
      img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; \
      form-action 'none'; frame-ancestors 'self'";
+/// The same for the view that other sites may show inside their pages. It has nothing to press but a link.
+const EMBED_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors *";
 
 /// What is served where the viewer was not built in.
 const NO_VIEWER: &str = "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Skyglow</title>\n\
@@ -37,6 +40,8 @@ const NO_VIEWER: &str = "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-
 
 /// The page.
 const INDEX: &str = "index.html";
+/// The page for other sites' frames.
+const EMBED: &str = "embed.html";
 /// Of brotli, 0 to 11. 11 makes files 8 % shorter and takes ten times as long.
 const QUALITY: i32 = 9;
 /// Shorter files are sent as they are.
@@ -85,11 +90,16 @@ fn takes_brotli(headers: &HeaderMap) -> bool {
     })
 }
 
+/// A compact view of one place, which other sites may show in a frame; no other page may be.
+pub async fn get_embed(headers: HeaderMap) -> Result<Response<Body>, ApiError> {
+    page(&headers, EMBED, EMBED_POLICY)
+}
+
 /// The viewer's files; everything that no other route takes. Pages are one: `/` alone.
 pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, ApiError> {
     let path = uri.path().trim_start_matches('/');
     if path.is_empty() || path == INDEX {
-        return index(&headers);
+        return page(&headers, INDEX, VIEWER_POLICY);
     }
     let file = Viewer::get(path).ok_or(ApiError::NotFound)?;
     // Vite puts what carries a hash in its name below assets/.
@@ -97,9 +107,9 @@ pub async fn get_viewer(uri: Uri, headers: HeaderMap) -> Result<Response<Body>, 
     answer(&headers, policy, path, &file)
 }
 
-fn index(headers: &HeaderMap) -> Result<Response<Body>, ApiError> {
-    let mut response = match Viewer::get(INDEX) {
-        Some(file) => answer(headers, CachePolicy::Revalidate, INDEX, &file)?,
+fn page(headers: &HeaderMap, path: &str, policy: &'static str) -> Result<Response<Body>, ApiError> {
+    let mut response = match Viewer::get(path) {
+        Some(file) => answer(headers, CachePolicy::Revalidate, path, &file)?,
         None => {
             let caching = Caching {
                 etag: ETag::of_bytes(NO_VIEWER.as_bytes()),
@@ -111,7 +121,7 @@ fn index(headers: &HeaderMap) -> Result<Response<Body>, ApiError> {
                 .unwrap_or_else(|| caching.ok("text/html; charset=utf-8", NO_VIEWER.as_bytes().to_vec()))
         }
     };
-    let policy = HeaderValue::from_static(VIEWER_POLICY);
+    let policy = HeaderValue::from_static(policy);
     response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, policy);
     Ok(response)
 }
@@ -151,6 +161,7 @@ fn media_type(path: &str) -> &'static str {
         Some("js" | "mjs") => "text/javascript; charset=utf-8",
         Some("css") => "text/css; charset=utf-8",
         Some("json" | "map") => "application/json",
+        Some("webmanifest") => "application/manifest+json",
         Some("svg") => "image/svg+xml",
         Some("png") => "image/png",
         Some("webp") => "image/webp",

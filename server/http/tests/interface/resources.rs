@@ -156,6 +156,46 @@ async fn tilejson_ignores_a_hostile_host_header() {
     assert!(template.starts_with(&format!("{}/api/v1/scenes/demo/tiles/", server.base)), "{template}");
 }
 
+/// Other sites may show the view that is made for it in a frame, and nothing else.
+#[tokio::test]
+async fn only_the_embed_may_be_framed_by_others() {
+    let server = Server::start().await;
+    let mut framed = Vec::new();
+    for path in ["/", "/index.html", "/embed", "/api/docs"] {
+        let page = server.answer(path).await;
+        assert_eq!(page.status(), 200, "{path}");
+        let policy = header(&page, "content-security-policy").to_owned();
+        assert!(policy.contains("default-src 'none'") && policy.contains("base-uri 'none'"), "{path}: {policy}");
+        let ancestors = policy.split(';').find_map(|part| part.trim().strip_prefix("frame-ancestors "));
+        match ancestors.unwrap_or_else(|| panic!("{path}: {policy}")) {
+            "*" => framed.push(path),
+            "'self'" | "'none'" => {}
+            other => panic!("{path}: {other}"),
+        }
+    }
+    assert_eq!(framed, ["/embed"]);
+    // It is served under its own name alone: its file would come without the policy.
+    assert_eq!(server.answer("/embed.html").await.status(), 404);
+}
+
+/// What makes the viewer installable lies beside the page, under names that stay; browsers ask each time whether it is new.
+#[tokio::test]
+async fn the_viewer_can_be_installed() {
+    let server = Server::start().await;
+    for (path, media_type) in [
+        ("/manifest.webmanifest", "application/manifest+json"),
+        ("/offline.js", "text/javascript; charset=utf-8"),
+        ("/icon.png", "image/png"),
+    ] {
+        let answer = server.answer(path).await;
+        assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, media_type), "{path}");
+        assert_eq!(header(&answer, "cache-control"), "public, no-cache", "{path}");
+    }
+    let manifest: Value = server.answer("/manifest.webmanifest").await.json().await.unwrap();
+    assert_eq!(manifest["start_url"], "./");
+    assert_eq!(manifest["icons"][0]["src"], "icon.png");
+}
+
 /// The viewer comes with a strict policy, and its hashed files are cached for ever.
 #[tokio::test]
 async fn the_viewer_has_a_strict_policy() {

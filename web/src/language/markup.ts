@@ -1,6 +1,7 @@
 // Where index.html wants words: `data-text="group.name"` for an element's text, and so on for its attributes.
 
-import type { Words } from "./english.ts";
+/** Words by group and name. */
+type Groups = object;
 
 /** What a name of words below `data-text-` is put into. */
 const ATTRIBUTES: Readonly<Record<string, string>> = {
@@ -11,11 +12,16 @@ const ATTRIBUTES: Readonly<Record<string, string>> = {
   waiting: "data-waiting",
 };
 
-/** The words of a name such as `welcome.title`. */
-function word(words: Words, name: string): string {
+/** The words of a name such as `welcome.title`; null where they are none of these. */
+function wordIn(words: Groups, name: string): string | null {
   const [group = "", key = ""] = name.split(".");
-  const found = (words as unknown as Record<string, Record<string, unknown>>)[group]?.[key];
-  if (typeof found !== "string") throw new Error(`the page wants words that there are not: ${name}`);
+  const found = (words as Record<string, Record<string, unknown>>)[group]?.[key];
+  return typeof found === "string" ? found : null;
+}
+
+function word(words: Groups, name: string): string {
+  const found = wordIn(words, name);
+  if (found === null) throw new Error(`the page wants words that there are not: ${name}`);
   return found;
 }
 
@@ -29,7 +35,7 @@ function escaped(text: string): string {
 }
 
 /** The page's source with its words filled in. */
-export function pageWithWords(html: string, words: Words): string {
+export function pageWithWords(html: string, words: Groups): string {
   return html.replace(
     /<(\w+)(\s[^<>]*\bdata-text[^<>]*)>(<\/\1>)?/g,
     (_, tag: string, attributes: string, end: string | undefined) => {
@@ -47,17 +53,19 @@ export function pageWithWords(html: string, words: Words): string {
   );
 }
 
-/** Puts another language's words in the place of those that the page came with. */
-export function applyWords(words: Words): void {
+/** Puts another language's words in the place of those that the page came with; what is in none of these groups stays. */
+export function applyWords(words: Groups): void {
   for (const element of document.querySelectorAll<HTMLElement>("[data-text]")) {
-    const text = parts(word(words, element.dataset.text ?? ""));
+    const found = wordIn(words, element.dataset.text ?? "");
+    if (found === null) continue;
     element.replaceChildren(
-      ...text.map((part, i) => (i % 2 === 1 ? Object.assign(document.createElement("b"), { textContent: part }) : part)),
+      ...parts(found).map((part, i) => (i % 2 === 1 ? Object.assign(document.createElement("b"), { textContent: part }) : part)),
     );
   }
   for (const [target, attribute] of Object.entries(ATTRIBUTES)) {
     for (const element of document.querySelectorAll(`[data-text-${target}]`)) {
-      element.setAttribute(attribute, word(words, element.getAttribute(`data-text-${target}`) ?? ""));
+      const found = wordIn(words, element.getAttribute(`data-text-${target}`) ?? "");
+      if (found !== null) element.setAttribute(attribute, found);
     }
   }
 }
