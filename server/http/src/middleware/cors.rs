@@ -63,7 +63,7 @@ fn preflight(path: &str, may_store: bool) -> Response {
 
 /// Whether what is posted to a path is kept.
 fn stores(path: &str) -> bool {
-    path.ends_with("/scenarios") || path.ends_with("/plans")
+    path.ends_with("/scenarios") || path.ends_with("/plans") || path.ends_with("/processes/plan/execution")
 }
 
 fn put(headers: &mut HeaderMap, name: HeaderName, value: &'static str) {
