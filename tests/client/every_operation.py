@@ -70,9 +70,16 @@ region = InfluenceBody.from_dict({"region": [[0, 20], [90, 20], [45, 60]]})
 
 given = {**sites, "plan": plan, "job": job, "scenario": scenario, "kind": "busy", "z": 7, "x": 67, "y": "45"}
 given |= {"date": "2026-08-20", "month": "2026-08", "name": "Locarno"}
+given |= {"tileset": "brightness", "tms": "WebMercatorQuad", "process": "plan", "item": "radiance"}
+coords = {
+    "position": "POINT(8.79 46.17)",
+    "trajectory": "LINESTRING(8.79 46.17,8.61 46.53)",
+    "area": "POLYGON((8.6 46,9 46,9 46.3,8.6 46))",
+}
 count = 0
 for path, operation in operations(("get",)):
     arguments = dict(given)
+    arguments["coords"] = coords.get(path.rsplit("/", 1)[-1])
     if "{scenario}" not in path:
         del arguments["scenario"]
     layers = ["radiance", "elevation", "brightness", "influence"] if "{layer}" in path else [None]

@@ -8,7 +8,7 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 15] = [
+const DOCUMENTS: [&str; 16] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -20,6 +20,7 @@ const DOCUMENTS: [&str; 15] = [
     "docs/measurements.md",
     "docs/model.md",
     "docs/security.md",
+    "docs/standards.md",
     "deploy/README.md",
     "precomputed/README.md",
     "python/README.md",

@@ -17,6 +17,7 @@ mod shares;
 mod site;
 mod skies;
 mod sky;
+pub mod standards;
 
 pub use assumptions::{Assumptions, EmissionAnswer, LampAnswer, ObserverAnswer, ResponseAnswer};
 pub use brightness::{BrightnessAssumptions, brightness_shows};

@@ -2,7 +2,7 @@
 //!
 //! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
 //! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
-//! [`plan_file`], [`shares_file`], [`horizon_file`], [`sky_lines`]).
+//! [`plan_file`], [`shares_file`], [`horizon_file`], [`sky_lines`]). [`quantities`] names the numbers of a sky.
 
 pub mod accept;
 pub mod answers;
@@ -18,6 +18,7 @@ pub mod observatory;
 pub mod parameters;
 pub mod plan_file;
 pub mod planning;
+pub mod quantities;
 pub mod reader;
 pub mod request;
 pub mod sandbox;

@@ -165,6 +165,10 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.scenes()?)
     }
 
+    fn stored_unix_s(&self, id: &SceneId) -> Option<u64> {
+        self.observatory.store().stored_unix_s(id)
+    }
+
     fn upload_folder(&self) -> Result<UploadFolder, AppError> {
         let folder = self.observatory.store().upload_folder();
         folder.map_err(|error| AppError::Storage { reason: error.to_string() })

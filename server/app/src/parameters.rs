@@ -449,6 +449,8 @@ negotiated_sets! {
     NegotiatedPlanParameters = PlanListParameters;
 }
 
+mod standards;
+pub use standards::*;
 #[cfg(test)]
 #[path = "parameters_tests.rs"]
 mod tests;

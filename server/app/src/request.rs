@@ -3,7 +3,9 @@
 mod area;
 mod brightness;
 mod darker;
+mod edr;
 mod emission;
+mod execution;
 pub mod geojson;
 mod horizon;
 mod influence;
@@ -21,11 +23,17 @@ mod spectra;
 #[cfg(test)]
 mod tests;
 mod view;
+mod wkt;
 
 pub use area::{BoundedArea, other_format, without_byte_order_mark};
 pub use brightness::brightness;
 pub use darker::{DarkerQuestion, darker};
+pub use edr::{
+    AreaRequest, MapRequest, PositionRequest, TrajectoryRequest, area, document_format, map, position,
+    trajectory,
+};
 pub use emission::{EmissionBody, GarstangLawBody};
+pub use execution::{Execution, ExecutionBody, Process, execution};
 pub use horizon::{HorizonRequest, check_terrain, horizon, landscape};
 pub use influence::{InfluenceBody, InfluenceListRequest, influence};
 pub use keeping::{Keeping, ListRequest, list_request};

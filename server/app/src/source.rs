@@ -63,6 +63,10 @@ pub trait SkySource: Send + Sync + 'static {
     /// # Errors
     /// [`AppError::Internal`].
     fn scenes(&self) -> Result<Vec<SceneMetadata>, AppError>;
+    /// When a scene was stored, seconds since 1970; None where nobody knows.
+    fn stored_unix_s(&self, _id: &SceneId) -> Option<u64> {
+        None
+    }
     /// A new folder for files that come in, on the same disk as the scenes; gone when it is dropped.
     ///
     /// # Errors

@@ -33,7 +33,21 @@ pub fn brightness_tile_png(
     range: (f64, f64),
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
-    logarithmic_tile_png(values, has_data, size_px, crate::Colormap::Plasma, range, notes)
+    brightness_map_png(values, has_data, [size_px; 2], range, notes)
+}
+
+/// The same for a map of any width and height.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] when the lengths are not width times height.
+pub fn brightness_map_png(
+    values: &[f32],
+    has_data: &[bool],
+    size_px: [u32; 2],
+    range: (f64, f64),
+    notes: &Notes,
+) -> Result<Vec<u8>, DisplayError> {
+    logarithmic_png(values, has_data, size_px, crate::Colormap::Plasma, range, notes)
 }
 
 /// A square tile of upward radiance [nW cm⁻² sr⁻¹], `[y][x]`: dark is transparent, light runs through the
@@ -48,7 +62,7 @@ pub fn radiance_tile_png(
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
     let range = RADIANCE_RANGE_NW_CM2_SR;
-    logarithmic_tile_png(radiance_nw_cm2_sr, has_data, size_px, crate::Colormap::Inferno, range, notes)
+    logarithmic_png(radiance_nw_cm2_sr, has_data, [size_px; 2], crate::Colormap::Inferno, range, notes)
 }
 
 /// A square tile of influences in any unit, `[y][x]`: from a ten-thousandth of `most` to `most` and beyond through the `viridis` map's
@@ -64,13 +78,13 @@ pub fn influence_tile_png(
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
     let range = (most / INFLUENCE_SPAN, most);
-    logarithmic_tile_png(influence, has_data, size_px, crate::Colormap::Viridis, range, notes)
+    logarithmic_png(influence, has_data, [size_px; 2], crate::Colormap::Viridis, range, notes)
 }
 
-fn logarithmic_tile_png(
+fn logarithmic_png(
     values: &[f32],
     has_data: &[bool],
-    size_px: u32,
+    size_px: [u32; 2],
     colormap: crate::Colormap,
     (dark, bright): (f64, f64),
     notes: &Notes,
@@ -118,7 +132,7 @@ pub fn elevation_tile_png(
         let distance_m = pixel_m as f32 * ((after - before) / step) as f32;
         exaggeration * (altitude_m[after] - altitude_m[before]) / distance_m
     };
-    paint(altitude_m, has_data, size_px, notes, |index| {
+    paint(altitude_m, has_data, [size_px; 2], notes, |index| {
         let (x, y) = (index % size, index / size);
         let (east, south) = (slope(index, 1, x), slope(index, size, y));
         // Lambertian shading; the light stands 45 degrees high in the north-west.
@@ -146,16 +160,16 @@ fn tint(altitude_m: f32) -> [f32; 3] {
 fn paint(
     values: &[f32],
     has_data: &[bool],
-    size_px: u32,
+    [width_px, height_px]: [u32; 2],
     notes: &Notes,
     colour: impl Fn(usize) -> [u8; 4],
 ) -> Result<Vec<u8>, DisplayError> {
-    let length = size_px as usize * size_px as usize;
+    let length = width_px as usize * height_px as usize;
     if values.len() != length || has_data.len() != length {
         return Err(DisplayError::encoding("PNG", "a tile must have as many values as pixels"));
     }
-    let tile = RgbaImage::from_fn(size_px, size_px, |x, y| {
-        let index = (y * size_px + x) as usize;
+    let tile = RgbaImage::from_fn(width_px, height_px, |x, y| {
+        let index = (y * width_px + x) as usize;
         Rgba(if has_data[index] { colour(index) } else { [0; 4] })
     });
     encode_png_rgba(&tile, notes)

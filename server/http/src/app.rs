@@ -11,8 +11,9 @@ use crate::{
         respond_async, share_across_origins, tag_encodings,
     },
     routes::{
-        atmospheres, darker, docs, health, horizon, influence, jobs, layers, night, panorama, plans,
-        problems, scenarios, scenes, shares, site, skies, sky, tilejson, tiles, uploads, viewer,
+        atmospheres, darker, docs, edr, health, horizon, influence, jobs, layers, night, ogc, panorama,
+        plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, tilejson, tiles,
+        uploads, viewer,
     },
     state::AppState,
     token_buckets::TokenBuckets,
@@ -82,6 +83,32 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(docs::get_openapi))
         .routes(routes!(docs::get_docs))
         .routes(routes!(problems::get_problem))
+        .merge(standards())
+}
+
+/// The same under the names of standards: OGC APIs and STAC.
+fn standards() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(ogc::get_landing))
+        .routes(routes!(ogc::get_conformance))
+        .routes(routes!(ogc::get_collections))
+        .routes(routes!(ogc::get_collection))
+        .routes(routes!(edr::get_position))
+        .routes(routes!(edr::get_area))
+        .routes(routes!(edr::get_trajectory))
+        .routes(routes!(edr::get_map))
+        .routes(routes!(ogc::get_tilesets))
+        .routes(routes!(ogc::get_tileset))
+        .routes(routes!(ogc::get_tile_matrix_sets))
+        .routes(routes!(ogc::get_tile_matrix_set))
+        .routes(routes!(processes::get_processes))
+        .routes(routes!(processes::get_process))
+        .routes(routes!(processes::post_execution))
+        .routes(routes!(processes::get_job_status, processes::dismiss_job))
+        .routes(routes!(processes::get_job_results))
+        .routes(routes!(stac::get_stac_catalog))
+        .routes(routes!(stac::get_stac_collection))
+        .routes(routes!(stac::get_stac_item))
 }
 
 /// Routes that answer however busy the server is.
@@ -124,6 +151,9 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))
+        // A root is asked for with a slash too.
+        .route("/api/ogc/", get(ogc::get_landing))
+        .route("/api/stac/", get(stac::get_stac_catalog))
         .route("/api/docs/page.js", get(docs::get_docs_script))
         .route("/api/docs/page.css", get(docs::get_docs_style))
         .layer(from_fn_with_state(state.clone(), limit_time))

@@ -26,6 +26,7 @@ use utoipa::{
         (name = "plans", description = "What to dim, and what if: reduction plans and painted scenarios"),
         (name = "scenes", description = "Rasters of light with their terrain and places"),
         (name = "tiles", description = "Map tiles"),
+        (name = "standards", description = "OGC APIs (Common, EDR, Tiles, Maps, Processes) and STAC: the same under the names of standards"),
         (name = "atmospheres", description = "Resident table packs"),
         (name = "operation", description = "For those who run the server"),
     ),

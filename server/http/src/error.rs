@@ -30,6 +30,15 @@ pub enum ApiError {
         /// Media types there are.
         offered: &'static str,
     },
+    /// No such process of OGC API – Processes.
+    #[error("the processes are influence and plan")]
+    NoSuchProcess,
+    /// No such job of OGC API – Processes.
+    #[error("there is no such job; what came of one is kept for ten minutes, for one where it is long")]
+    NoSuchJob,
+    /// A job of OGC API – Processes that is not done.
+    #[error("the job is not done; its status says how far it is")]
+    ResultNotReady,
     /// The request's body is too long.
     #[error("the request's body is longer than {limit_bytes} bytes")]
     BodyTooLong {
@@ -101,6 +110,9 @@ pub enum ApiError {
     },
 }
 
+/// What OGC API – Processes 1.0 puts before the names of its kinds of problems.
+const OGC_EXCEPTIONS: &str = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0";
+
 /// Why HTTP itself refuses a request.
 fn unreadable(status: u16) -> &'static str {
     match StatusCode::from_u16(status) {
@@ -167,6 +179,9 @@ impl ApiError {
                 (StatusCode::NOT_FOUND, "unknown-tile", "There is no such tile")
             }
             ApiError::NotFound => (StatusCode::NOT_FOUND, "not-found", "There is nothing here"),
+            ApiError::NoSuchProcess => (StatusCode::NOT_FOUND, "no-such-process", "There is no such process"),
+            ApiError::NoSuchJob => (StatusCode::NOT_FOUND, "no-such-job", "There is no such job"),
+            ApiError::ResultNotReady => (StatusCode::NOT_FOUND, "result-not-ready", "The job is not done"),
             ApiError::MethodNotAllowed => {
                 (StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "This method is not allowed here")
             }
@@ -248,8 +263,13 @@ impl ApiError {
             ApiError::App(error) => (error.detail(), error.field_errors().to_vec()),
             other => (other.to_string(), Vec::new()),
         };
+        let root = match self {
+            // The standard has names of its own for these.
+            ApiError::NoSuchProcess | ApiError::NoSuchJob | ApiError::ResultNotReady => OGC_EXCEPTIONS,
+            _ => "/problems",
+        };
         Problem {
-            kind: format!("/problems/{name}"),
+            kind: format!("{root}/{name}"),
             title: title.to_owned(),
             status: status.as_u16(),
             detail,

@@ -104,6 +104,11 @@ impl BrightnessMap {
         Ok(self.scene.places_tile(&self.places, z, x, y, size_px)?)
     }
 
+    /// The value at any place, the mean over a width in metres; None where there is none.
+    pub fn at(&self, place: GeoPoint, width_m: f64) -> Option<f64> {
+        self.scene.value_at(&self.places, place, width_m)
+    }
+
     /// Bytes that a cache stores with it, those of a changed scene's own lights among them; the scene itself is stored elsewhere.
     pub fn byte_count(&self) -> usize {
         self.places.byte_count() + self.scene.unshared_bytes()

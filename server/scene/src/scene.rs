@@ -387,6 +387,12 @@ impl Scene {
         self.sampled_rasters().places_tile(places, TileAddress { z, x, y, size_px })
     }
 
+    /// The value at any place from those of a lattice, the mean over a width in metres; None off the raster and where there is none.
+    pub fn value_at(&self, places: &PlaceValues, place: GeoPoint, width_m: f64) -> Option<f64> {
+        let (x, y) = self.grid.position_of(place)?;
+        places.at(x, y, width_m / self.metadata.pixel_size_m)
+    }
+
     /// A layer at every place of a lattice: the mean radiance of the pixels of its block, the elevation at its middle; NaN
     /// without data.
     pub fn layer_at_places(&self, layer: TileLayer, lattice: PlaceLattice) -> Option<PlaceValues> {

@@ -154,6 +154,13 @@ impl SceneStore {
         Ok(list)
     }
 
+    /// When a scene was stored, seconds since 1970; None for one that is not there, and where the disk does not say.
+    pub fn stored_unix_s(&self, id: &SceneId) -> Option<u64> {
+        let file = std::fs::metadata(self.scene_dir(id).join(METADATA_FILE)).ok()?;
+        let since = file.modified().ok()?.duration_since(std::time::UNIX_EPOCH).ok()?;
+        Some(since.as_secs())
+    }
+
     pub(crate) fn read_metadata(&self, id: &SceneId) -> Result<StoredScene, SceneError> {
         let path = self.scene_dir(id).join(METADATA_FILE);
         let text = match std::fs::read(&path) {

@@ -1,8 +1,8 @@
 //! Areas as people have them: in files of other formats, with a byte order mark, with latitude before longitude.
 
-use super::geojson::{AreaError, BoundaryBody, boundary, polygons};
+use super::geojson::{AreaError, BoundaryBody, Polygons, polygons};
 use crate::{error::AppError, validation::ValidationCode};
-use skyglow_scene::Boundary;
+use skyglow_scene::{Boundary, BoundaryError};
 
 /// An area, and how far it reaches.
 #[derive(Clone, Debug)]
@@ -19,12 +19,25 @@ impl BoundedArea {
     /// # Errors
     /// [`AreaError`].
     pub fn new(body: &BoundaryBody) -> Result<Self, AreaError> {
-        let positions = polygons(body)?.into_iter().flatten().flatten();
+        Ok(Self::of_polygons(&polygons(body)?)?)
+    }
+
+    /// The area of polygons, each of rings, the outer one first.
+    ///
+    /// # Errors
+    /// [`BoundaryError`].
+    pub fn of_polygons(polygons: &Polygons) -> Result<Self, BoundaryError> {
+        let positions = polygons.iter().flatten().flatten();
         let unbounded = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-        let extent_deg = positions.fold(unbounded, |[west, south, east, north], [longitude, latitude]| {
+        let extent_deg = positions.fold(unbounded, |[west, south, east, north], &[longitude, latitude]| {
             [west.min(longitude), south.min(latitude), east.max(longitude), north.max(latitude)]
         });
-        Ok(Self { boundary: boundary(body)?, extent_deg })
+        Ok(Self { boundary: Boundary::new(polygons)?, extent_deg })
+    }
+
+    /// Least longitude and latitude, largest longitude and latitude, degrees, as they came.
+    pub fn extent_deg(&self) -> [f64; 4] {
+        self.extent_deg
     }
 
     /// Refuses an area that cannot hold a pixel of a scene: its share would be 0, and nobody would know why.
@@ -34,6 +47,14 @@ impl BoundedArea {
     /// # Errors
     /// [`AppError::Parameters`], with a word on coordinates in the wrong order where that is what is wrong.
     pub fn check_within(&self, bounds: [f64; 4]) -> Result<(), AppError> {
+        self.check_within_as("boundary", "GeoJSON", bounds)
+    }
+
+    /// The same for a parameter in a format of that name.
+    ///
+    /// # Errors
+    /// As [`Self::check_within`].
+    pub fn check_within_as(&self, parameter: &str, format: &str, bounds: [f64; 4]) -> Result<(), AppError> {
         if meet(self.extent_deg, bounds) {
             return Ok(());
         }
@@ -41,11 +62,13 @@ impl BoundedArea {
         let [least_longitude, least_latitude, largest_longitude, largest_latitude] = self.extent_deg;
         let swapped = [least_latitude, least_longitude, largest_latitude, largest_longitude];
         let hint = match meet(swapped, bounds) {
-            true => ": its positions look like latitude, longitude, and GeoJSON has longitude, latitude",
-            false => "",
+            true => {
+                format!(": its positions look like latitude, longitude, and {format} has longitude, latitude")
+            }
+            false => String::new(),
         };
         Err(AppError::parameter(
-            "boundary",
+            parameter,
             format!("{least_longitude} {least_latitude} to {largest_longitude} {largest_latitude}"),
             format!("an area within west {west} south {south} east {east} north {north}"),
             format!("holds no pixel of this scene{hint}"),
@@ -55,7 +78,7 @@ impl BoundedArea {
 }
 
 /// Whether two boxes of west, south, east, north have something in common. West may be beyond east, across the antimeridian.
-fn meet([west, south, east, north]: [f64; 4], [w, s, e, n]: [f64; 4]) -> bool {
+pub(super) fn meet([west, south, east, north]: [f64; 4], [w, s, e, n]: [f64; 4]) -> bool {
     let last = if w > e { e + 360.0 } else { e };
     let meets_at = |turn: f64| west + turn <= last && east + turn >= w;
     south <= n && north >= s && [-360.0, 0.0, 360.0].into_iter().any(meets_at)

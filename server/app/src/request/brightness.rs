@@ -21,12 +21,17 @@ pub fn brightness(
 ) -> Result<BrightnessRequest, AppError> {
     let mut reader = Reader::new(query, BrightnessParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
-    let measure = match reader.choice(&p::MAP_MEASURE) {
-        Some("mean") => MapMeasure::Mean,
-        Some("horizontal") => MapMeasure::Horizontal,
-        _ => MapMeasure::Zenith,
-    };
+    let measure = read_map_measure(&mut reader);
     reader.finish()?;
     let conditions = conditions.ok_or_else(|| AppError::internal("a map was neither read nor refused"))?;
     Ok(conditions.over_all(scene, measure, facts.max_places))
+}
+
+/// What of the sky a map shows.
+pub(super) fn read_map_measure(reader: &mut Reader) -> MapMeasure {
+    match reader.choice(&p::MAP_MEASURE) {
+        Some("mean") => MapMeasure::Mean,
+        Some("horizontal") => MapMeasure::Horizontal,
+        _ => MapMeasure::Zenith,
+    }
 }

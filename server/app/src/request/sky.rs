@@ -32,16 +32,17 @@ pub(super) fn read_light(reader: &mut Reader) -> Sky {
     }
 }
 
-/// The time; Some(None) where none is given, None where it is refused.
-fn read_time(
+/// The time of a parameter; Some(None) where none is given, None where it is refused.
+pub(super) fn read_time(
     reader: &mut Reader,
+    parameter: &p::Parameter,
     facts: &SourceFacts,
     turbidity: Option<Turbidity>,
 ) -> Option<Option<SkyTime>> {
     let solar_flux_sfu = reader.number(&p::SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU);
-    let Some(text) = reader.text(&p::TIME) else {
+    let Some(text) = reader.text(parameter) else {
         if reader.text(&p::SOLAR_FLUX).is_some() {
-            let message = Some("means nothing without `time`".to_owned());
+            let message = Some(format!("means nothing without `{}`", parameter.name));
             reader.fail(&p::SOLAR_FLUX, ValidationCode::Conflict, message, None);
         }
         return Some(None);
@@ -53,16 +54,16 @@ fn read_time(
                 CelestialError::OutsideYears(_) => ValidationCode::NotAllowed,
                 _ => ValidationCode::Malformed,
             };
-            reader.fail(&p::TIME, code, None, None);
+            reader.fail(parameter, code, None, None);
             return None;
         }
     };
-    has_celestial_tables(reader, &p::TIME, facts, turbidity)
+    has_celestial_tables(reader, parameter, facts, turbidity)
         .then_some(Some(SkyTime { instant, solar_flux_sfu }))
 }
 
 /// Whether there are tables for the natural sky of a time; where there are none, the parameter that asks for them is refused.
-fn has_celestial_tables(
+pub(super) fn has_celestial_tables(
     reader: &mut Reader,
     asking: &p::Parameter,
     facts: &SourceFacts,
@@ -148,6 +149,11 @@ impl Conditions {
         }
     }
 
+    /// The turbidity.
+    pub(super) fn turbidity(&self) -> Turbidity {
+        self.turbidity
+    }
+
     /// The scenario that it is asked with.
     pub(super) fn scenario(&self) -> Option<&ChangeId> {
         self.scenario.as_ref()
@@ -185,7 +191,7 @@ pub(super) fn read_sky(reader: &mut Reader, scene: SceneId, facts: &SourceFacts)
     let place = read_place(reader);
     let observer_height = read_eye_height(reader, facts);
     let conditions = read_conditions(reader, facts);
-    let time = read_time(reader, facts, conditions.as_ref().map(|conditions| conditions.turbidity));
+    let time = read_time(reader, &p::TIME, facts, conditions.as_ref().map(|conditions| conditions.turbidity));
     Some(SkyRequest { time: time?, ..conditions?.over(scene, place?, observer_height) })
 }
 

@@ -14,7 +14,7 @@ use axum::{
 const REQUEST_HEADERS: &str = "accept, authorization, content-type, if-none-match, if-range, prefer, range, skyglow-owner, \
      traceparent, x-api-key, x-request-id";
 /// Headers of answers that a page may see.
-const EXPOSED_HEADERS: &str = "accept-ranges, content-range, etag, link, location, preference-applied, ratelimit, ratelimit-policy, \
+const EXPOSED_HEADERS: &str = "accept-ranges, content-bbox, content-range, etag, link, location, preference-applied, ratelimit, ratelimit-policy, \
      retry-after, server-timing, skyglow-owner, skyglow-warnings, x-request-id";
 /// How long a browser need not ask again, seconds.
 const MAX_AGE_S: &str = "86400";
@@ -63,7 +63,7 @@ fn preflight(path: &str, may_store: bool) -> Response {
 
 /// Whether what is posted to a path is kept.
 fn stores(path: &str) -> bool {
-    path.ends_with("/scenarios") || path.ends_with("/plans")
+    path.ends_with("/scenarios") || path.ends_with("/plans") || path.ends_with("/processes/plan/execution")
 }
 
 fn put(headers: &mut HeaderMap, name: HeaderName, value: &'static str) {

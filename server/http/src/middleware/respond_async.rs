@@ -5,6 +5,7 @@ use crate::{
     error::ApiError,
     jobs::{Jobs, Outcome, TooMany},
     state::AppState,
+    trust::PublicAddress,
 };
 use axum::{
     Json,
@@ -14,11 +15,17 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
-use skyglow_app::AppError;
+use skyglow_app::{
+    AppError,
+    answers::standards::{Base, status_info},
+};
 use std::sync::Arc;
 
 /// Longest answer that is kept for a job, bytes.
 const MAX_OUTCOME_BYTES: usize = 256 << 20;
+
+/// Where processes are, which are answered 201 and have jobs of their own as their standard says.
+const PROCESSES: &str = "/api/ogc/processes/";
 
 /// Marks a request that nobody waits for on a connection.
 #[derive(Clone, Copy, Debug)]
@@ -52,10 +59,14 @@ impl Drop for Ending {
 /// Makes jobs of posts of plans, influences and shares whose clients prefer that.
 pub async fn respond_async(State(state): State<AppState>, mut request: Request, next: Next) -> Response {
     let path = request.uri().path();
-    let is_long = path.ends_with("/plans") || path.contains("/influence") || path.contains("/shares");
+    let is_process = path.starts_with(PROCESSES) && path.ends_with("/execution");
+    let is_long =
+        is_process || path.ends_with("/plans") || path.contains("/influence") || path.contains("/shares");
     if *request.method() != Method::POST || !is_long || !prefers_async(request.headers()) {
         return next.run(request).await;
     }
+    let address = request.extensions().get::<PublicAddress>();
+    let links = Base::new(address.map(PublicAddress::base).unwrap_or_default());
     let (party, work) = (asker::party(), Arc::<Work>::default());
     let id = match state.jobs.begin(party, Arc::clone(&work)) {
         Ok(id) => id,
@@ -74,17 +85,22 @@ pub async fn respond_async(State(state): State<AppState>, mut request: Request, 
     };
     let task = tokio::spawn(Asker::new(party, work).scope(job));
     state.jobs.set_task(&id, task.abort_handle());
-    accepted(&id)
+    match is_process {
+        true => accepted(&id, StatusCode::CREATED, &status_info(&links, &id, "accepted", 0.0), "ogc"),
+        false => {
+            let job = serde_json::json!({ "id": id, "state": "queued", "progress": 0.0 });
+            accepted(&id, StatusCode::ACCEPTED, &job, "v1")
+        }
+    }
 }
 
-fn accepted(id: &str) -> Response {
-    let mut response =
-        (StatusCode::ACCEPTED, Json(serde_json::json!({ "id": id, "state": "queued", "progress": 0.0 })))
-            .into_response();
+/// * `api`: the part of the interface that the job's address is in.
+fn accepted(id: &str, status: StatusCode, job: &serde_json::Value, api: &str) -> Response {
+    let mut response = (status, Json(job)).into_response();
     let headers = response.headers_mut();
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert("preference-applied", HeaderValue::from_static("respond-async"));
-    if let Ok(location) = HeaderValue::from_str(&format!("/api/v1/jobs/{id}")) {
+    if let Ok(location) = HeaderValue::from_str(&format!("/api/{api}/jobs/{id}")) {
         headers.insert(header::LOCATION, location);
     }
     response

@@ -25,6 +25,8 @@ use std::{
 const SCENARIO_BYTES: f64 = 16_384.0;
 /// What a plan is charged before it is known: who goes away before the answer has had it stored all the same.
 const PLAN_DEPOSIT: f64 = 8.0;
+/// Plans that are made here are held alone.
+const PLAN_EXECUTION: &str = "/api/ogc/processes/plan/execution";
 const DAY: Duration = Duration::from_secs(86_400);
 /// Scenarios and plans of a day that are remembered as counted.
 const MAX_COUNTED: u64 = 100_000;
@@ -79,7 +81,7 @@ pub async fn limit_storage(
     let path = request.uri().path();
     let least = match *request.method() {
         Method::POST if path.ends_with("/scenarios") => 1.0,
-        Method::POST if path.ends_with("/plans") => PLAN_DEPOSIT,
+        Method::POST if path.ends_with("/plans") || path == PLAN_EXECUTION => PLAN_DEPOSIT,
         _ => return next.run(request).await,
     };
     let is_listed = is_listed(request.headers().get(header::ORIGIN), &state.config);
@@ -87,7 +89,7 @@ pub async fn limit_storage(
     if !is_listed && is_of_another_site(request.headers(), address) {
         return ApiError::ForeignOrigin.into_response();
     }
-    if is_draft(request.uri().query()) {
+    if path == PLAN_EXECUTION || is_draft(request.uri().query()) {
         return next.run(request).await;
     }
     let is_anyone = matches!(state.access.client(request.headers()), Ok(Client::Anyone));

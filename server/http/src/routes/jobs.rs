@@ -122,14 +122,17 @@ pub async fn get_job_result(
     match state.jobs.standing(&job).ok_or(ApiError::NotFound)? {
         Standing::Queued => Err(ApiError::BeingMade { progress: 0.0, retry_after_s: 1 }),
         Standing::Running(progress) => Err(ApiError::BeingMade { progress, retry_after_s: 1 }),
-        Standing::Ended(outcome) => {
-            let mut response = Response::new(Body::from(outcome.body.clone()));
-            *response.status_mut() = outcome.status;
-            *response.headers_mut() = outcome.headers.clone();
-            response.extensions_mut().insert(Counted);
-            Ok(response)
-        }
+        Standing::Ended(outcome) => Ok(outcome_response(&outcome)),
     }
+}
+
+/// The answer that came of a job.
+pub(super) fn outcome_response(outcome: &Outcome) -> Response<Body> {
+    let mut response = Response::new(Body::from(outcome.body.clone()));
+    *response.status_mut() = outcome.status;
+    *response.headers_mut() = outcome.headers.clone();
+    response.extensions_mut().insert(Counted);
+    response
 }
 
 /// Ends a job and forgets it, with what came of it; a plan that is made stays.

@@ -17,7 +17,7 @@ use axum::{
     http::{HeaderMap, Response},
 };
 use skyglow_app::{
-    answers::{BrightnessAssumptions, brightness_shows},
+    answers::{BrightnessAssumptions, brightness_shows, standards::MAX_LAYER_PIXELS},
     parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
     request::{brightness, scene_id},
     source::SkySource,
@@ -25,15 +25,11 @@ use skyglow_app::{
 use skyglow_display::notes;
 use skyglow_scene::{PlaceValues, RasterMetadata, Scene, TileLayer};
 
-/// Pixels of a raster at most, which is more than a tile of Black Marble has by far; beyond, pixels of the scene share one by
-/// blocks, and the band's description says so.
-const MAX_PIXELS: usize = 32_000_000;
-
 /// Bytes that a raster takes for each pixel while it is written.
 const BYTES_PER_PIXEL: usize = 16;
 
 fn layer_bytes(pixels: usize) -> usize {
-    pixels.min(MAX_PIXELS) * BYTES_PER_PIXEL
+    pixels.min(MAX_LAYER_PIXELS) * BYTES_PER_PIXEL
 }
 
 macro_rules! layers {
@@ -95,7 +91,7 @@ async fn scene_layer(
     let bytes = layer_bytes(view.metadata().grid.width as usize * view.metadata().grid.height as usize);
     let make = state.work.long(Lane::Plan, bytes, move |_, _| {
         let scene = view.scene();
-        let places = scene.layer_at_places(layer, scene.place_lattice(MAX_PIXELS));
+        let places = scene.layer_at_places(layer, scene.place_lattice(MAX_LAYER_PIXELS));
         let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
         let unit = match layer {
             TileLayer::Radiance => "nW cm-2 sr-1",
@@ -170,7 +166,7 @@ async fn brightness_layer(
 
 /// Numbers of places on every pixel of the scene's raster: linear between the places.
 fn on_every_pixel(scene: &Scene, places: &PlaceValues) -> Option<PlaceValues> {
-    let pixels = scene.place_lattice(MAX_PIXELS);
+    let pixels = scene.place_lattice(MAX_LAYER_PIXELS);
     if pixels == places.lattice() {
         return Some(places.clone());
     }

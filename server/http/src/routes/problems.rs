@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 35] = [
+pub const KINDS: [(&str, &str); 38] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -41,6 +41,9 @@ pub const KINDS: [(&str, &str); 35] = [
     ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
     ("unknown-tile", "No map tile has this address."),
     ("not-found", "No resource has this path."),
+    ("no-such-process", "No process of OGC API – Processes has this id."),
+    ("no-such-job", "No job has this id, or what came of it was not kept so long."),
+    ("result-not-ready", "The job goes on; its status says how far it is."),
     ("method-not-allowed", "The path answers other methods; the Allow header lists them."),
     ("not-acceptable", "The resource does not come in any of the formats accepted."),
     ("body-too-long", "The request's body is longer than this server takes."),
@@ -133,6 +136,9 @@ mod tests {
             ApiError::App(AppError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] }),
             ApiError::App(AppError::UnknownTile { reason: String::new() }),
             ApiError::NotFound,
+            ApiError::NoSuchProcess,
+            ApiError::NoSuchJob,
+            ApiError::ResultNotReady,
             ApiError::MethodNotAllowed,
             ApiError::NotAcceptable { offered: "" },
             ApiError::BodyTooLong { limit_bytes: 1 },

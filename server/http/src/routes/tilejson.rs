@@ -20,14 +20,14 @@ use axum::{
 };
 use skyglow_app::{
     accept::InfluenceFormat,
-    answers::TileJson,
+    answers::{TileJson, standards::finest_zoom},
     parameters::OptionalInfluenceParameters,
     request::{brightness, influence, scene_id},
 };
 use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
 use skyglow_observatory::{MapMeasure, Measure};
 use skyglow_physics::Response as ResponseKind;
-use skyglow_scene::{SceneMetadata, TileLayer, zoom_0_pixel_m};
+use skyglow_scene::{SceneMetadata, TileLayer};
 
 /// Describes a layer of tiles (TileJSON 3.0). What takes seconds to find is begun by this, and `ready` says whether it is found. Its parameters are those of the layer's tiles, and are handed on to them; that of
 /// `influence` needs the place.
@@ -121,10 +121,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     // Across the antimeridian the eastern edge is counted on.
     let width_deg = if west > east { east + 360.0 - west } else { east - west };
     let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
-    let finest = (zoom_0_pixel_m() / scene.pixel_size_m.max(1.0)).log2().ceil().clamp(4.0, 16.0);
-    // Terrain is usually finer than the lights.
-    let maxzoom =
-        finest as u8 + if matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }) { 2 } else { 0 };
+    let maxzoom = finest_zoom(scene, matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }));
     let illustrative = scene.illustrative;
     let given = |query: &Option<String>| query.clone().unwrap_or_default();
     let (description, query, version, unit, range) = match shown {

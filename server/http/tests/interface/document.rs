@@ -10,6 +10,37 @@ async fn the_document_is_served_and_is_the_one_agreed() {
     insta::assert_json_snapshot!("openapi", document);
 }
 
+/// A path with things that there are in place of its parameters.
+fn real(path: &str, layer: &str) -> String {
+    let known = [
+        ("{scene}", "demo"),
+        ("{layer}", layer),
+        ("{z}/{x}/{y}", "0/0/0"),
+        ("{plan}", "p-00000000000000000000"),
+        ("{scenario}", "s-00000000000000000000"),
+        ("{kind}", "busy"),
+        ("{process}", "influence"),
+        ("{tileset}", "brightness"),
+        ("{tms}", "WebMercatorQuad"),
+        ("{item}", "radiance"),
+    ];
+    known.iter().fold(path.to_owned(), |path, (name, value)| path.replace(name, value))
+}
+
+/// The parameters that a path needs.
+fn needed(path: &str, needs_place: bool) -> &'static str {
+    match (path, needs_place) {
+        ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "lat=-1&lon=37&date=2026-08-20",
+        ("/api/v1/nights", _) => "lat=-1&lon=37&month=2026-08",
+        ("/api/v1/places", _) => "name=Nairobi",
+        (path, _) if path.ends_with("/position") => "coords=POINT(37 -1)",
+        (path, _) if path.ends_with("/trajectory") => "coords=LINESTRING(37 -1,37.5 -1)",
+        (path, _) if path.ends_with("/area") => "coords=POLYGON((37 -1,37.5 -1,37.5 -0.5,37 -1))",
+        (_, true) => "lat=-1&lon=37",
+        _ => "",
+    }
+}
+
 /// Every path of the document answers, and every route is in it.
 #[tokio::test]
 async fn document_and_routes_are_the_same() {
@@ -17,25 +48,11 @@ async fn document_and_routes_are_the_same() {
     let (_, document) = server.json("/api/v1/openapi.json").await;
     let paths: Vec<&String> = document["paths"].as_object().unwrap().keys().collect();
     for path in &paths {
-        let real = path
-            .replace("{scene}", "demo")
-            .replace("{layer}", "radiance")
-            .replace("{z}", "0")
-            .replace("{x}", "0")
-            .replace("{y}", "0")
-            .replace("{plan}", "p-00000000000000000000")
-            .replace("{scenario}", "s-00000000000000000000")
-            .replace("{kind}", "busy");
+        let real = real(path, "radiance");
         let needs_a_place = document["paths"][path.as_str()]["get"]["parameters"]
             .as_array()
             .is_some_and(|list| list.iter().any(|p| p["name"] == "lat" && p["required"] == true));
-        let query = match (path.as_str(), needs_a_place) {
-            ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "?lat=-1&lon=37&date=2026-08-20",
-            ("/api/v1/nights", _) => "?lat=-1&lon=37&month=2026-08",
-            ("/api/v1/places", _) => "?name=Nairobi",
-            (_, true) => "?lat=-1&lon=37",
-            _ => "",
-        };
+        let query = format!("?{}", needed(path, needs_a_place));
         // The made-up program knows no influences, no brightness and has no plans; `end_to_end` asks a real one.
         let status = match path {
             path if ["/influence", "/shares", "/darker", "/layers/brightness"]
@@ -44,9 +61,10 @@ async fn document_and_routes_are_the_same() {
             {
                 503
             }
+            path if path.ends_with("/area") || path.ends_with("/map") => 503,
             path if ["{plan}", "{scenario}", "{job}"].iter().any(|id| path.contains(id)) => 404,
             // It is only posted to.
-            path if path.ends_with("/skies") => 405,
+            path if path.ends_with("/skies") || path.ends_with("/execution") => 405,
             _ => 200,
         };
         assert_eq!(server.answer(&format!("{real}{query}")).await.status(), status, "{path}");
@@ -72,22 +90,10 @@ async fn every_default_can_be_sent() {
     for (path, item) in document["paths"].as_object().unwrap() {
         let parameters = item["get"]["parameters"].as_array().cloned().unwrap_or_default();
         for layer in ["radiance", "elevation", "brightness", "influence"] {
-            let real = path
-                .replace("{scene}", "demo")
-                .replace("{layer}", layer)
-                .replace("{z}/{x}/{y}", "0/0/0")
-                .replace("{plan}", "p-00000000000000000000")
-                .replace("{scenario}", "s-00000000000000000000")
-                .replace("{kind}", "busy");
+            let real = real(path, layer);
             let needs_place = parameters.iter().any(|p| p["name"] == "lat" && p["required"] == true);
             let needs_place = needs_place || path.contains("{layer}") && layer == "influence";
-            let query = match (path.as_str(), needs_place) {
-                ("/api/v1/night" | "/api/v1/scenes/{scene}/night", _) => "lat=-1&lon=37&date=2026-08-20",
-                ("/api/v1/nights", _) => "lat=-1&lon=37&month=2026-08",
-                ("/api/v1/places", _) => "name=Nairobi",
-                (_, true) => "lat=-1&lon=37",
-                _ => "",
-            };
+            let query = needed(path, needs_place);
             let defaults = parameters.iter().filter(|p| !p["schema"]["default"].is_null());
             let sent: String = defaults
                 .map(|p| format!("&{}={}", p["name"], p["schema"]["default"]).replace('"', ""))

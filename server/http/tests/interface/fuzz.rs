@@ -153,7 +153,19 @@ proptest! {
     }
 
     #[test]
-    fn no_path_yields_a_500(path in "(/api/v1/scenes/demo/tiles)?(/[a-z0-9%.]{0,8}){0,6}") {
+    fn no_geometry_yields_a_500(
+        kind in prop::sample::select(vec!["POINT", "LINESTRING", "LINESTRING M", "POLYGON", "MULTIPOLYGON"]),
+        inside in prop_oneof!["[(), .a-zA-Z0-9-]{0,40}", "\\PC{0,20}"],
+        query in prop::sample::select(vec!["position", "trajectory", "area"]),
+    ) {
+        let coords: String = format!("{kind}({inside})").bytes().map(|byte| format!("%{byte:02x}")).collect();
+        let path = format!("/api/ogc/collections/demo/{query}?coords={coords}");
+        let status = status(&path);
+        prop_assert!(is_fine(status), "{status} for {path}");
+    }
+
+    #[test]
+    fn no_path_yields_a_500(path in "(/api/v1/scenes/demo/tiles|/api/ogc|/api/stac)?(/[a-z0-9%.]{0,8}){0,6}") {
         let path = if path.is_empty() { "/".to_owned() } else { path };
         let status = status(&path);
         prop_assert!(is_fine(status), "{status} for {path}");

@@ -17,3 +17,4 @@ mod problems;
 mod resources;
 mod scattering;
 mod server;
+mod standards;

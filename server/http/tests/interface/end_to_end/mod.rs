@@ -14,6 +14,7 @@ mod scenarios;
 mod shares;
 mod skies;
 mod sky;
+mod standards;
 mod uploads;
 
 use serde_json::{Value, json};
