@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import final
 
-class Refused(Exception):
+class RefusedError(Exception):
     """Why there is no answer; its one argument is a problem document (RFC 9457) as JSON text."""
 
 @final
@@ -12,7 +12,7 @@ class Engine:
 
     def __init__(self, packs: str | Path, data: str | Path, device: str) -> None: ...
     def answer(self, address: str, query: str = "", body: bytes | None = None) -> bytes:
-        """What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes of JSON or of a file."""
+        """What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes."""
 
     @property
     def executor(self) -> str:

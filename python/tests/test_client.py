@@ -195,7 +195,7 @@ def test_a_batch_can_keep_problems(client, url):
 
 
 class BusyServer:
-    """Answers `status` with Retry-After so many times, then skies, of a batch at most so many; counts what it is asked."""
+    """Answers `status` with Retry-After so many times, then skies, of a batch at most so many; counts them."""
 
     def __init__(self, status, times, retry_after="0", at_most=1000):
         self.asked, self.batches = 0, []

@@ -8,7 +8,7 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 15] = [
+const DOCUMENTS: [&str; 16] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -23,6 +23,7 @@ const DOCUMENTS: [&str; 15] = [
     "deploy/README.md",
     "precomputed/README.md",
     "python/README.md",
+    "python/engine/README.md",
     "qgis/README.md",
 ];
 

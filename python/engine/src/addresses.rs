@@ -108,10 +108,7 @@ mod tests {
         assert_eq!(found("/api/v1/scenes", false), Some(("list_scenes", "")));
         assert_eq!(found("/api/v1/scenes/demo", false), Some(("get_scene", "demo")));
         assert_eq!(found("/api/v1/scenes/demo/sky", false), Some(("get_sky", "demo")));
-        assert_eq!(
-            found("/api/v1/scenes/demo/influence.json", true),
-            Some(("post_influence_json", "demo"))
-        );
+        assert_eq!(found("/api/v1/scenes/demo/influence.json", true), Some(("post_influence_json", "demo")));
         for nothing in ["/api/v1/", "/api/v1/scenes/", "/api/v1/scenes/a/b/sky", "/api/v2/scenes", "/scenes"]
         {
             assert_eq!(found(nothing, false), None, "{nothing}");

@@ -13,11 +13,15 @@ use pyo3::{
 use skyglow_app::problem::LineError;
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{SceneStore, create_demo, demo_is_wanted};
-use std::{path::PathBuf, process, sync::atomic::Ordering};
+use std::{
+    path::PathBuf,
+    process,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 create_exception!(
     skyglow_engine,
-    Refused,
+    RefusedError,
     PyException,
     "Why there is no answer; its one argument is a problem document (RFC 9457) as JSON text."
 );
@@ -53,7 +57,7 @@ impl Drop for Engine {
 
 fn refused(problem: &LineError) -> PyErr {
     match serde_json::to_string(problem) {
-        Ok(document) => Refused::new_err(document),
+        Ok(document) => RefusedError::new_err(document),
         Err(error) => PyRuntimeError::new_err(error.to_string()),
     }
 }
@@ -70,7 +74,7 @@ impl Engine {
         Ok(Self { answers: Some(answers), process: process::id() })
     }
 
-    /// What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes of JSON or of a file.
+    /// What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes.
     #[pyo3(signature = (address, query = "", body = None))]
     fn answer<'py>(
         &self,
@@ -81,11 +85,8 @@ impl Engine {
     ) -> PyResult<Bound<'py, PyBytes>> {
         let answers = self.answers()?;
         let question = Question { address, query, body };
-        let work = |goes_on: &_| {
-            let goes_on: &std::sync::atomic::AtomicBool = goes_on;
-            answers.answer(&question, &|_| goes_on.load(Ordering::Relaxed))
-        };
-        match beside_python(py, work)? {
+        let watched = |goes_on: &AtomicBool| answers.answer(&question, &|_| goes_on.load(Ordering::Relaxed));
+        match beside_python(py, watched)? {
             Ok(bytes) => Ok(PyBytes::new(py, &bytes)),
             Err(problem) => Err(refused(&problem)),
         }
@@ -122,5 +123,5 @@ fn make_demo(py: Python<'_>, data: PathBuf) -> PyResult<bool> {
 #[pymodule]
 mod skyglow_engine {
     #[pymodule_export]
-    use super::{Engine, Refused, make_demo};
+    use super::{Engine, RefusedError, make_demo};
 }

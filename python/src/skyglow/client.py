@@ -15,7 +15,7 @@ import xarray
 from . import batches, calls, datasets
 from .answers import Answer, Plan
 from .calls import Call
-from .errors import ProblemError, UnreachableError, problem_of, retry_after_s
+from .errors import UnreachableError, problem_of, retry_after_s
 from .questions import DOCUMENT, Questions, Scenes
 
 T = TypeVar("T")
@@ -233,7 +233,6 @@ class AsyncClient(_Settings):
     ) -> geopandas.GeoDataFrame:
         """See :meth:`Client.skies`."""
         table = batches.table(places, times)
-        found: list[Answer | ProblemError] = []
-        for part in batches.parts(table):
-            found += await self._of_scene(calls.skies(part, asked), scene)
+        parts = batches.parts(table)
+        found = [sky for part in parts for sky in await self._of_scene(calls.skies(part, asked), scene)]
         return batches.frame(table, found, keep_problems=keep_problems)

@@ -58,7 +58,7 @@ class Engine(Questions):
                 "skyglow.Engine needs the compiled package skyglow-engine: `make wheel` in the project's folder builds "
                 "it, then pip install target/wheels/skyglow_engine-*.whl"
             ) from error
-        self._refused = skyglow_engine.Refused
+        self._refused = skyglow_engine.RefusedError
         self.scene = scene
         folder = Path(data) if data is not None else _data_folder()
         try:
@@ -99,5 +99,5 @@ def _packs_folder() -> Path:
         if folder.is_dir():
             return folder
     raise SkyglowError(
-        "no table packs: Engine(packs=...) or SKYGLOW_PACKS names their folder, which is precomputed in the project's folder"
+        "no table packs: Engine(packs=...) or SKYGLOW_PACKS names their folder, `precomputed` in the project's folder"
     )

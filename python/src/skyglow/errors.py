@@ -31,9 +31,10 @@ class FieldError:
 class ProblemError(SkyglowError):
     """The program's reason not to answer as asked.
 
-    ``status`` is that of HTTP, None where the problem came without: of one of many skies, or of the engine. ``kind`` is its stable name, such as ``unknown-parameter``; ``errors`` lists every wrong parameter;
-    ``bounds`` are west, south, east and north of the scene where a place lies outside it; ``progress`` is the
-    part that is done of what is being made; ``document`` is all that was said.
+    ``status`` is that of HTTP, None where the problem came without: of one of many skies, or of the engine.
+    ``kind`` is its stable name, such as ``unknown-parameter``; ``errors`` lists every wrong parameter; ``bounds`` are
+    west, south, east and north of the scene where a place lies outside it; ``progress`` is the part that is done of
+    what is being made; ``document`` is all that was said.
     """
 
     def __init__(self, status: int | None, document: Mapping[str, Any], retry_after_s: float | None = None) -> None:

@@ -13,7 +13,7 @@ import xarray
 from . import batches, calls, datasets
 from .answers import Answer, Plan
 from .calls import Call
-from .errors import ProblemError, SkyglowError
+from .errors import SkyglowError
 
 T = TypeVar("T")
 DOCUMENT = "/api/v1/openapi.json"
@@ -154,7 +154,6 @@ class Questions(Scenes, ABC):
         the first one is raised.
         """
         table = batches.table(places, times)
-        found: list[Answer | ProblemError] = []
-        for part in batches.parts(table):
-            found += self._of_scene(calls.skies(part, asked), scene)
+        parts = batches.parts(table)
+        found = [sky for part in parts for sky in self._of_scene(calls.skies(part, asked), scene)]
         return batches.frame(table, found, keep_problems=keep_problems)

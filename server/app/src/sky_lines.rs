@@ -15,7 +15,6 @@ use std::{collections::VecDeque, sync::Arc, time::Duration};
 /// Skies that are rendered at a time.
 const AT_A_TIME: usize = 8;
 
-
 /// How often a full queue is tried again, and after how long.
 const TRIES: u32 = 50;
 const PAUSE: Duration = Duration::from_millis(20);
@@ -46,8 +45,9 @@ pub async fn each_sky_line(
             under_way.push_back(tokio::spawn(render));
         }
         let Some(next) = under_way.pop_front() else { break };
-        let line =
-            next.await.map_err(|error| AppError::internal(format!("a worker of skies failed: {error}")))??;
+        let line = next
+            .await
+            .map_err(|error| AppError::internal(format!("a worker of skies failed: {error}")))??;
         if !take(taken as f64 / count as f64, line).await {
             break;
         }

@@ -89,9 +89,8 @@ async fn scene_layer(
         return Ok(response);
     }
     let bytes = layer_bytes(view.metadata().grid.width as usize * view.metadata().grid.height as usize);
-    let make = state.work.long(Lane::Plan, bytes, move |_, _| {
-        Ok(layer_file::scene_layer(view.scene(), layer)?)
-    });
+    let make =
+        state.work.long(Lane::Plan, bytes, move |_, _| Ok(layer_file::scene_layer(view.scene(), layer)?));
     let make = async { make.await.map(|(made, held)| state.work.keep(made, held).into()) };
     let made = state.answer(&caching.etag, make).await?;
     Ok(made.response(&caching, "image/tiff"))
