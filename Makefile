@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer qgis
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer qgis wheel
 
 help: ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -56,6 +56,10 @@ fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; installs the 
 qgis: ## the QGIS plugin in QGIS, with and without a window (installs Debian's QGIS; TESTS=test_algorithms.Sky picks)
 	@cargo build --release --package skyglow
 	@scripts/qgis_plugin.sh $(TESTS)
+
+wheel: ## the Python package and its engine as wheels in target/wheels, tried in an empty environment and against a server
+	@cargo build --release --package skyglow
+	@scripts/python_wheel.sh
 
 deny: ## licences, bans, duplicates, sources and known weaknesses of every dependency (cargo-deny)
 	@scripts/dependencies.sh

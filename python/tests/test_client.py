@@ -2,8 +2,8 @@
 
 import asyncio
 import inspect
+import json
 import threading
-import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import geopandas
@@ -180,8 +180,9 @@ def test_a_batch_can_keep_problems(client, url):
     assert pandas.isna(table["problem"].iloc[0])
     assert "outside" in table["problem"].iloc[1].lower()
     assert np.isnan(table["zenith_luminance_cd_m2"].iloc[1])
-    with pytest.raises(skyglow.OutsideSceneError):
+    with pytest.raises(skyglow.OutsideSceneError) as caught:
         client.skies(places)
+    assert caught.value.bounds[0] < TOWN[1] < caught.value.bounds[2]
 
     async def ask():
         async with skyglow.AsyncClient(url) as other:
@@ -194,27 +195,27 @@ def test_a_batch_can_keep_problems(client, url):
 
 
 class BusyServer:
-    """Answers `status` with Retry-After so many times, then an empty list; counts requests and those at once."""
+    """Answers `status` with Retry-After so many times, then skies, of a batch at most so many; counts them."""
 
-    def __init__(self, status, times, retry_after="0"):
-        self.asked = self.at_once = self.most_at_once = 0
-        lock = threading.Lock()
+    def __init__(self, status, times, retry_after="0", at_most=1000):
+        self.asked, self.batches = 0, []
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(handler):  # noqa: N805 - self is the server
-                with lock:
-                    self.asked += 1
-                    self.at_once += 1
-                    self.most_at_once = max(self.most_at_once, self.at_once)
-                    is_busy = self.asked <= times
-                time.sleep(0.02)
+                self.asked += 1
+                is_busy = self.asked <= times
                 handler.send_response(status if is_busy else 200)
                 if is_busy and retry_after is not None:
                     handler.send_header("Retry-After", retry_after)
                 handler.end_headers()
-                with lock:
-                    self.at_once -= 1
                 handler.wfile.write(b'{"title": "Busy", "type": "/problems/busy"}' if is_busy else SKY)
+
+            def do_POST(handler):  # noqa: N805 - self is the server
+                body = json.loads(handler.rfile.read(int(handler.headers["Content-Length"])))
+                self.batches.append(len(body["places"]))
+                handler.send_response(200)
+                handler.end_headers()
+                handler.wfile.write((SKY + b"\n") * min(len(body["places"]), at_most))
 
             def log_message(self, *_):
                 pass
@@ -261,15 +262,16 @@ def test_patience_ends():
         assert busy.asked == 1, "without Retry-After asking again does not help"
 
 
-def test_a_batch_asks_for_so_many_at_once():
-    with BusyServer(200, 0) as server, skyglow.Client(server.url, scene="x", concurrency=3) as client:
-        assert len(client.skies([(0, lon) for lon in range(12)])) == 12
-        assert server.most_at_once == 3
-
-    async def ask(url):
-        async with skyglow.AsyncClient(url, scene="x", concurrency=3) as client:
-            return await client.skies([(0, lon) for lon in range(12)])
-
-    with BusyServer(200, 0) as server:
-        assert len(asyncio.run(ask(server.url))) == 12
-        assert server.most_at_once == 3
+def test_a_batch_is_asked_by_the_thousand():
+    places = pandas.DataFrame({"latitude_deg": range(700), "longitude_deg": 0.0, "name": "x"})
+    with BusyServer(200, 0) as server, skyglow.Client(server.url, scene="x") as client:
+        table = client.skies(places, times=["2026-08-12T22:00:00Z", "2026-08-12T23:00:00Z", NIGHT])
+        assert server.batches == [1000, 1000, 100]
+        assert list(table.index[:4]) == [0, 0, 0, 1]
+        assert list(table["time"].iloc[:2]) == ["2026-08-12T22:00:00Z", "2026-08-12T23:00:00Z"]
+        with pytest.raises(ValueError, match="times of their own"):
+            client.skies(places.assign(time=NIGHT), times=[NIGHT])
+    with BusyServer(200, 0, at_most=2) as server, skyglow.Client(server.url, scene="x") as client:
+        assert len(client.skies([(0, 0), (0, 1)])) == 2
+        with pytest.raises(skyglow.UnreachableError, match="after 2 of 3 skies"):
+            client.skies([(0, 0), (0, 1), (0, 2)])

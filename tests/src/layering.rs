@@ -1,5 +1,6 @@
 //! Which crate may use which: `cli → {http, bench}`, `http → app → {observatory, display}`, `observatory → render`, `bench → render`,
-//! `render → {tables, scene} → physics`, `display → physics`, `app → celestial → physics`, and `lab` beside `cli`. A crate may use whatever lies below it, and nothing beside or above it.
+//! `render → {tables, scene} → physics`, `display → physics`, `app → celestial → physics`, `lab` beside `cli`, and `engine`, which is Python's, beside
+//! `http`. A crate may use whatever lies below it, and nothing beside or above it.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -18,6 +19,7 @@ const LAYERING: &[(&str, &[&str])] = &[
     ("skyglow-http", &["skyglow-app"]),
     ("skyglow", &["skyglow-http", "skyglow-bench"]),
     ("skyglow-lab", &["skyglow-http", "skyglow-bench"]),
+    ("skyglow-engine", &["skyglow-app"]),
 ];
 
 /// Crates from outside that belong to one of ours alone. Tests of others may use them.
@@ -32,6 +34,7 @@ const HOMES: &[(&str, &str)] = &[
     ("gdal", "skyglow-scene"),
     ("gdal-sys", "skyglow-scene"),
     ("clap", "skyglow"),
+    ("pyo3", "skyglow-engine"),
 ];
 
 /// The measuring programs, a tool beside the program.

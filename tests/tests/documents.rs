@@ -24,6 +24,7 @@ const DOCUMENTS: [&str; 16] = [
     "deploy/README.md",
     "precomputed/README.md",
     "python/README.md",
+    "python/engine/README.md",
     "qgis/README.md",
 ];
 

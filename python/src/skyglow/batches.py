@@ -14,8 +14,23 @@ from .errors import ProblemError
 Places: TypeAlias = pandas.DataFrame | Iterable[tuple[float, float]]
 
 
-def table(places: Places) -> pandas.DataFrame:
-    """Places as a table with ``latitude_deg`` and ``longitude_deg``, whatever they came as."""
+# As many as one request takes.
+PART = 1000
+
+
+def table(places: Places, times: Iterable[Any] | None = None) -> pandas.DataFrame:
+    """Places as a table with ``latitude_deg`` and ``longitude_deg``, whatever they came as; at each of ``times``."""
+    listed = _listed(places)
+    if times is None:
+        return listed
+    if "time" in listed:
+        raise ValueError("the places have times of their own, which times= excludes")
+    moments = list(times)
+    each = listed.loc[listed.index.repeat(len(moments))]
+    return each.assign(time=moments * len(listed))
+
+
+def _listed(places: Places) -> pandas.DataFrame:
     if isinstance(places, geopandas.GeoDataFrame):
         if places.crs is None:
             raise ValueError("the points have no coordinate reference system; frame.set_crs('EPSG:4326') says WGS 84")
@@ -32,20 +47,26 @@ def table(places: Places) -> pandas.DataFrame:
     return pandas.DataFrame([(lat, lon) for lat, lon in places], columns=["latitude_deg", "longitude_deg"])
 
 
-def questions(places: pandas.DataFrame) -> Iterator[dict[str, Any]]:
-    """What to ask for each place."""
-    for row in places.to_dict("records"):
-        asked: dict[str, Any] = {"lat": float(row["latitude_deg"]), "lon": float(row["longitude_deg"])}
-        if "time" in row:
-            asked["time"] = row["time"]
-        yield asked
+def parts(places: pandas.DataFrame) -> Iterator[list[dict[str, Any]]]:
+    """What to ask for each place, as many at once as one request takes."""
+    columns = [name for name in ("latitude_deg", "longitude_deg", "time") if name in places]
+    names = {"latitude_deg": "lat", "longitude_deg": "lon"}
+    rows = places[columns].rename(columns=names).to_dict("records")
+    for first in range(0, len(rows), PART):
+        yield rows[first : first + PART]
 
 
-def frame(places: pandas.DataFrame, skies: Sequence[Answer | ProblemError]) -> geopandas.GeoDataFrame:
+def frame(
+    places: pandas.DataFrame, skies: Sequence[Answer | ProblemError], *, keep_problems: bool
+) -> geopandas.GeoDataFrame:
     """The table with the numbers of each sky beside its place; assumptions that all share are in ``attrs``.
 
-    Columns of the table whose names the numbers have are kept as ``NAME_given``.
+    Columns of the table whose names the numbers have are kept as ``NAME_given``. The first problem is raised
+    unless they are kept.
     """
+    for sky in skies:
+        if isinstance(sky, ProblemError) and not keep_problems:
+            raise sky
     rows: list[Mapping[str, Any]] = [
         {"problem": str(sky)} if isinstance(sky, ProblemError) else scalars(sky) for sky in skies
     ]

@@ -1,31 +1,43 @@
-"""What is asked of the server and how its answers are read, without sending anything: both clients send these."""
+"""What is asked and how answers are read, without sending anything: clients send these, and the engine answers them."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
-from typing import Any, Generic, TypeVar
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Generic, Protocol, TypeVar
 
 import geopandas
-import httpx
 import pandas
 import xarray
 
 from . import asked as written
 from . import datasets
 from .answers import Answer, Plan, answer, points
+from .errors import ProblemError, UnreachableError, problem_in
 
 T = TypeVar("T")
 U = TypeVar("U")
 SCENE = "/api/v1/scenes/{scene}"
 
 
+class Response(Protocol):
+    """What came: a response of httpx, or bytes of the engine."""
+
+    @property
+    def content(self) -> bytes:
+        """All of it."""
+
+    def json(self) -> Any:
+        """The same, read as JSON."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Call(Generic[T]):
-    """A request, and what becomes of its response. ``{scene}`` in the path is the client's to fill in."""
+    """A request, and what becomes of its response. ``{scene}`` in the path is filled in by whoever sends it."""
 
     path: str
-    read: Callable[[httpx.Response], T]
+    read: Callable[[Response], T]
     query: Mapping[str, str] = dataclasses.field(default_factory=dict)
     json: Any = None
 
@@ -38,7 +50,7 @@ class Call(Generic[T]):
         return Call(self.path, lambda response: step(self.read(response)), self.query, self.json)
 
 
-def document(response: httpx.Response) -> Any:
+def document(response: Response) -> Any:
     """The JSON of an answer."""
     return answer(response.json())
 
@@ -56,6 +68,20 @@ def places() -> Call[geopandas.GeoDataFrame]:
 def sky(lat: float, lon: float, asked: Mapping[str, Any]) -> Call[Answer]:
     """The numbers of a sky."""
     return get(f"{SCENE}/sky", {"lat": lat, "lon": lon, **asked})
+
+
+def skies(places: Sequence[Mapping[str, Any]], asked: Mapping[str, Any]) -> Call[list[Answer | ProblemError]]:
+    """The numbers of many skies, in their order; where one has none, the reason."""
+    body = {"places": [written.query(place) for place in places]}
+    call = Call(f"{SCENE}/skies", lambda response: response.content, written.query(asked), body)
+    return call.then(lambda content: _lines(content, len(places)))
+
+
+def _lines(content: bytes, count: int) -> list[Answer | ProblemError]:
+    lines = [json.loads(line) for line in content.split(b"\n") if line]
+    if len(lines) != count:
+        raise UnreachableError(f"the answer ended after {len(lines)} of {count} skies")
+    return [problem_in(line["error"]) if "error" in line else answer(line) for line in lines]
 
 
 def panorama(lat: float, lon: float, asked: Mapping[str, Any]) -> Call[xarray.Dataset]:

@@ -1,11 +1,10 @@
-"""The two clients: `Client` waits for answers, `AsyncClient` is for asyncio; both have one interface."""
+"""The two clients of a server: `Client` waits for answers, `AsyncClient` is for asyncio; both have one interface."""
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Mapping
 from typing import Any, Self, TypeVar
 
 import geopandas
@@ -16,27 +15,21 @@ import xarray
 from . import batches, calls, datasets
 from .answers import Answer, Plan
 from .calls import Call
-from .errors import ProblemError, SkyglowError, UnreachableError, problem_of, retry_after_s
+from .errors import UnreachableError, problem_of, retry_after_s
+from .questions import DOCUMENT, Questions, Scenes
 
 T = TypeVar("T")
 OWNER = "Skyglow-Owner"
-DOCUMENT = "/api/v1/openapi.json"
 
 
-class _Settings:
+class _Settings(Scenes):
     """What both clients know of a server, and what they make of its responses."""
 
-    def __init__(
-        self, scene: str | None, key: str | None, owner: str | None, patience_s: float, concurrency: int
-    ) -> None:
-        if concurrency < 1:
-            raise ValueError(f"concurrency must be at least 1, not {concurrency}")
+    def __init__(self, scene: str | None, key: str | None, owner: str | None, patience_s: float) -> None:
         self.scene = scene
         self.owner = owner
         self.patience_s = patience_s
-        self.concurrency = concurrency
         self._key = key
-        self._document: dict[str, Any] | None = None
 
     def _request(self, call: Call[Any]) -> dict[str, Any]:
         headers = {}
@@ -62,15 +55,8 @@ class _Settings:
         self.owner = response.headers.get(OWNER, self.owner)
         return call.read(response)
 
-    def _only(self, scenes: Sequence[Answer]) -> str:
-        if len(scenes) != 1:
-            known = ", ".join(scene["id"] for scene in scenes) or "none"
-            raise SkyglowError(f"say which scene: Client(url, scene=...) or scene=...; the server has {known}")
-        self.scene = str(scenes[0]["id"])
-        return self.scene
 
-
-class Client(_Settings):
+class Client(_Settings, Questions):
     """A Skyglow server.
 
     ``asked`` of every method are the server's own parameters (``turbidity=3``, ``lamp="led_4000k"``,
@@ -89,9 +75,8 @@ class Client(_Settings):
         owner: str | None = None,
         timeout_s: float = 120.0,
         patience_s: float = 300.0,
-        concurrency: int = 4,
     ) -> None:
-        super().__init__(scene, key, owner, patience_s, concurrency)
+        super().__init__(scene, key, owner, patience_s)
         self._http = httpx.Client(base_url=url, timeout=timeout_s)
 
     def __enter__(self) -> Self:
@@ -117,128 +102,6 @@ class Client(_Settings):
             time.sleep(pause_s)
             waited_s += pause_s
 
-    def _of_scene(self, call: Call[T], scene: str | None) -> T:
-        return self._answer(call.at(scene or self.scene or self._only(self.scenes())))
-
-    def get(self, path: str, **query: Any) -> Any:
-        """Whatever JSON a path of the server answers, such as ``/api/v1/atmospheres``."""
-        return self._answer(calls.get(path, query))
-
-    def parameters(self, operation: str = "get_sky") -> pandas.DataFrame:
-        """The parameters that an operation takes, with their defaults and meanings, as the server tells them."""
-        if self._document is None:
-            self._document = self.get(DOCUMENT)
-        return calls.parameters(self._document or {}, operation)
-
-    def scenes(self) -> list[Answer]:
-        """The scenes of the server."""
-        return list(self.get("/api/v1/scenes"))
-
-    def atmospheres(self) -> list[Answer]:
-        """The resident table packs: which turbidities, orders of scattering and clouds can be asked for."""
-        return list(self.get("/api/v1/atmospheres"))
-
-    def places(self, *, scene: str | None = None) -> geopandas.GeoDataFrame:
-        """The named places of a scene as points."""
-        return self._of_scene(calls.places(), scene)
-
-    def sky(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> Answer:
-        """The numbers of a sky: ``.sky`` has them, ``.night_sky`` what shines at a time; all else, assumptions."""
-        return self._of_scene(calls.sky(lat, lon, asked), scene)
-
-    def panorama(
-        self,
-        lat: float,
-        lon: float,
-        *,
-        responses: Iterable[str] | None = None,
-        scene: str | None = None,
-        **asked: Any,
-    ) -> xarray.Dataset:
-        """A sky by direction: ``luminance`` and ``brightness`` by elevation and azimuth, ``radiance`` by band.
-
-        ``response=`` asks what one eye or instrument sees; ``responses=`` several, along a dimension
-        ``response``. Below the observer's horizon all is NaN.
-        """
-        if responses is None:
-            return self._of_scene(calls.panorama(lat, lon, asked), scene)
-        each = [calls.panorama(lat, lon, {**asked, "response": name}) for name in responses]
-        return datasets.together([self._of_scene(call, scene) for call in each])
-
-    def picture(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> bytes:
-        """A sky as the server draws it, as PNG: ``style="eye"``, ``projection="fisheye"`` and others."""
-        return self._of_scene(calls.picture(lat, lon, asked), scene)
-
-    def influence(
-        self, lat: float, lon: float, *, boundary: Any = None, scene: str | None = None, **asked: Any
-    ) -> geopandas.GeoDataFrame:
-        """Which lights cause a sky: the ``limit`` most influential pixels as points.
-
-        ``boundary`` is an area, as GeoJSON, of shapely or of geopandas. ``frame.attrs`` has the rest of the
-        answer: ``total``, ``rings``, ``sectors``, ``boundary`` with its share, and the assumptions.
-        """
-        return self._of_scene(calls.influence(lat, lon, boundary, asked), scene)
-
-    def influence_map(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> xarray.DataArray:
-        """The influence of every lit pixel, on the scene's own grid (needs rasterio)."""
-        return self._of_scene(calls.influence_map(lat, lon, asked), scene)
-
-    def layer(self, name: str, *, scene: str | None = None, **asked: Any) -> xarray.DataArray:
-        """``brightness``, ``radiance`` or ``elevation`` on the scene's own grid (needs rasterio)."""
-        return self._of_scene(calls.layer(name, asked), scene)
-
-    def plan(self, request: Mapping[str, Any], *, scene: str | None = None, **asked: Any) -> Plan:
-        """What to dim: ``request`` is the body of the server's ``POST .../plans``; areas may be of geopandas.
-
-        ``.frame()`` lists the dimmed pixels; ``.sites`` has each sky before and after.
-        """
-        return self._of_scene(calls.plan(request, asked), scene)
-
-    def scenario(self, request: Mapping[str, Any], *, scene: str | None = None, **asked: Any) -> Answer:
-        """Other lights: ``request`` is the body of the server's ``POST .../scenarios``.
-
-        Pass the answer's ``id`` as ``scenario=`` to every question about light.
-        """
-        return self._of_scene(calls.scenario(request, asked), scene)
-
-    def night(self, lat: float, lon: float, date: Any) -> Answer:
-        """Rise, set and twilights of the night that begins on a date, its Moon, and when it is dark."""
-        return self._answer(calls.night(lat, lon, date))
-
-    def nights(self, lat: float, lon: float, month: str) -> pandas.DataFrame:
-        """How long the nights of a month (``2026-08``) are dark, by date."""
-        return self._answer(calls.nights(lat, lon, month))
-
-    def skies(
-        self, places: batches.Places, *, keep_problems: bool = False, scene: str | None = None, **asked: Any
-    ) -> geopandas.GeoDataFrame:
-        """The numbers of the skies of many places, ``concurrency`` at a time, as a table of points.
-
-        ``places`` are pairs of latitude and longitude, points of geopandas, or a table with ``latitude_deg`` and
-        ``longitude_deg``; a column ``time`` says when, for each. With ``keep_problems`` a place without an
-        answer has the reason in a column ``problem``; otherwise the first one is raised.
-        """
-        table = batches.table(places)
-        if scene is None and self.scene is None:
-            self._only(self.scenes())
-
-        def ask(where: Mapping[str, Any]) -> Answer | ProblemError:
-            try:
-                return self.sky(scene=scene, **{**asked, **where})
-            except ProblemError as problem:
-                if keep_problems:
-                    return problem
-                raise
-
-        with ThreadPoolExecutor(self.concurrency) as threads:
-            waiting = [threads.submit(ask, where) for where in batches.questions(table)]
-            try:
-                found = [one.result() for one in waiting]
-            except BaseException:
-                threads.shutdown(cancel_futures=True)
-                raise
-        return batches.frame(table, found)
-
 
 class AsyncClient(_Settings):
     """A Skyglow server, for asyncio: the methods of :class:`Client`, each to be awaited."""
@@ -252,9 +115,8 @@ class AsyncClient(_Settings):
         owner: str | None = None,
         timeout_s: float = 120.0,
         patience_s: float = 300.0,
-        concurrency: int = 4,
     ) -> None:
-        super().__init__(scene, key, owner, patience_s, concurrency)
+        super().__init__(scene, key, owner, patience_s)
         self._http = httpx.AsyncClient(base_url=url, timeout=timeout_s)
 
     async def __aenter__(self) -> Self:
@@ -361,27 +223,16 @@ class AsyncClient(_Settings):
         return await self._answer(calls.nights(lat, lon, month))
 
     async def skies(
-        self, places: batches.Places, *, keep_problems: bool = False, scene: str | None = None, **asked: Any
+        self,
+        places: batches.Places,
+        *,
+        times: Iterable[Any] | None = None,
+        keep_problems: bool = False,
+        scene: str | None = None,
+        **asked: Any,
     ) -> geopandas.GeoDataFrame:
         """See :meth:`Client.skies`."""
-        table = batches.table(places)
-        if scene is None and self.scene is None:
-            self._only(await self.scenes())
-        room = asyncio.Semaphore(self.concurrency)
-
-        async def ask(where: Mapping[str, Any]) -> Answer | ProblemError:
-            async with room:
-                try:
-                    return await self.sky(scene=scene, **{**asked, **where})
-                except ProblemError as problem:
-                    if keep_problems:
-                        return problem
-                    raise
-
-        asking = [asyncio.ensure_future(ask(where)) for where in batches.questions(table)]
-        try:
-            return batches.frame(table, await asyncio.gather(*asking))
-        except BaseException:
-            for one in asking:
-                one.cancel()
-            raise
+        table = batches.table(places, times)
+        parts = batches.parts(table)
+        found = [sky for part in parts for sky in await self._of_scene(calls.skies(part, asked), scene)]
+        return batches.frame(table, found, keep_problems=keep_problems)

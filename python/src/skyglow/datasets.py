@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import httpx
 import numpy as np
 import pandas
 import xarray
+
+if TYPE_CHECKING:
+    from .calls import Response
 
 CONVENTIONS = "CF-1.11"
 # Of the magnitudes of all luminances, by definition of the server (docs/model.md, photometry).
@@ -192,10 +194,10 @@ def together(skies: Sequence[xarray.Dataset]) -> xarray.Dataset:
     return whole.assign(radiance=first["radiance"], horizon=first["horizon"])
 
 
-def raster(name: str) -> Callable[[httpx.Response], xarray.DataArray]:
+def raster(name: str) -> Callable[[Response], xarray.DataArray]:
     """Reads a GeoTIFF as a grid with its coordinate reference system as CF has it (`spatial_ref`)."""
 
-    def read(response: httpx.Response) -> xarray.DataArray:
+    def read(response: Response) -> xarray.DataArray:
         try:
             import rasterio
         except ImportError as error:

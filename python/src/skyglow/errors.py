@@ -1,4 +1,4 @@
-"""What can go wrong: the server's problem documents (RFC 9457) as exceptions."""
+"""What can go wrong: problem documents (RFC 9457) of the server and of the engine as exceptions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import httpx
 
 
 class SkyglowError(Exception):
-    """Anything that this package raises about a server."""
+    """Anything that this package raises about a server or an engine."""
 
 
 class UnreachableError(SkyglowError):
@@ -29,18 +29,19 @@ class FieldError:
 
 
 class ProblemError(SkyglowError):
-    """The server's reason not to answer as asked.
+    """The program's reason not to answer as asked.
 
-    ``kind`` is its stable name, such as ``unknown-parameter``; ``errors`` lists every wrong parameter;
-    ``bounds`` are west, south, east and north of the scene where a place lies outside it; ``progress`` is the
-    part that is done of what is being made; ``document`` is all that the server said.
+    ``status`` is that of HTTP, None where the problem came without: of one of many skies, or of the engine.
+    ``kind`` is its stable name, such as ``unknown-parameter``; ``errors`` lists every wrong parameter; ``bounds`` are
+    west, south, east and north of the scene where a place lies outside it; ``progress`` is the part that is done of
+    what is being made; ``document`` is all that was said.
     """
 
-    def __init__(self, status: int, document: Mapping[str, Any], retry_after_s: float | None = None) -> None:
+    def __init__(self, status: int | None, document: Mapping[str, Any], retry_after_s: float | None = None) -> None:
         self.status = status
         self.document = dict(document)
         self.kind = str(document.get("type", "about:blank")).rsplit("/", 1)[-1]
-        self.title = str(document.get("title", f"HTTP status {status}"))
+        self.title = str(document.get("title", "a problem" if status is None else f"HTTP status {status}"))
         self.detail = str(document.get("detail", ""))
         self.errors = [
             FieldError(
@@ -96,6 +97,33 @@ _BY_STATUS: dict[int, type[ProblemError]] = {
     429: BusyError,
     503: BusyError,
 }
+
+_BY_KIND: dict[str, type[ProblemError]] = {
+    "bad-parameters": InvalidRequestError,
+    "unknown-parameter": InvalidRequestError,
+    "out-of-range": InvalidRequestError,
+    "not-resident": InvalidRequestError,
+    "outside-scene": OutsideSceneError,
+    "unknown-scene": NotFoundError,
+    "unknown-scenario": NotFoundError,
+    "unknown-tile": NotFoundError,
+    "not-found": NotFoundError,
+    "not-owner": NotAllowedError,
+    "stale-plan": ConflictError,
+    "draft-plan": ConflictError,
+    "pins-full": ConflictError,
+    "busy": BusyError,
+    "damaged-scene": BusyError,
+    "engine-down": BusyError,
+    "scene-too-large": BusyError,
+    "storage": BusyError,
+}
+
+
+def problem_in(document: Mapping[str, Any]) -> ProblemError:
+    """The exception that a problem document without a status stands for."""
+    kind = str(document.get("type", "")).rsplit("/", 1)[-1]
+    return _BY_KIND.get(kind, ProblemError)(None, document)
 
 
 def problem_of(response: httpx.Response) -> ProblemError:

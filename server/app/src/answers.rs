@@ -38,5 +38,5 @@ pub use scene::{GridAnswer, SceneAnswer, SceneReference};
 pub use service::{AtmosphereAnswer, HealthAnswer, TileJson};
 pub use shares::{AreaShare, AreaSharesAnswer, PlaceShare, SharesAnswer};
 pub use site::SiteAnswer;
-pub use skies::{LineError, SkyLine};
+pub use skies::SkyLine;
 pub use sky::SkyAnswer;

@@ -2,7 +2,7 @@
 //!
 //! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
 //! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
-//! [`plan_file`], [`shares_file`], [`horizon_file`], [`sky_lines`]). [`quantities`] names the numbers of a sky.
+//! [`plan_file`], [`shares_file`], [`horizon_file`], [`layer_file`], [`sky_lines`]). [`quantities`] names the numbers of a sky.
 
 pub mod accept;
 pub mod answers;
@@ -14,10 +14,13 @@ pub mod fingerprint;
 pub mod format;
 pub mod horizon_file;
 pub mod influence_file;
+pub mod layer_file;
 pub mod observatory;
+pub mod opening;
 pub mod parameters;
 pub mod plan_file;
 pub mod planning;
+pub mod problem;
 pub mod quantities;
 pub mod reader;
 pub mod request;

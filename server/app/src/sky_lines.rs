@@ -1,25 +1,62 @@
 //! Many skies, each as a line of JSON: what the HTTP interface answers and the command line writes.
 
 use crate::{
-    answers::{Assumptions, LineError, SkyAnswer, SkyLine},
+    answers::{Assumptions, SkyAnswer, SkyLine},
     conversion::check_altitude,
     error::AppError,
+    problem::LineError,
     request::SkyOfMany,
     source::SkySource,
 };
 use skyglow_observatory::SceneView;
 use skyglow_scene::SceneId;
-use std::{sync::Arc, time::Duration};
+use std::{collections::VecDeque, sync::Arc, time::Duration};
+
+/// Skies that are rendered at a time.
+const AT_A_TIME: usize = 8;
 
 /// How often a full queue is tried again, and after how long.
 const TRIES: u32 = 50;
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Renders a sky, or says why not; as a line of JSON with its end.
+/// Renders many skies of a scene, some at a time, and hands each over as a line of JSON with its end, in their order, until one is not
+/// taken. For a thread in an asynchronous runtime.
+///
+/// * `take`: given the part of all lines that came before, 0 to 1, and the line; answers whether to go on.
 ///
 /// # Errors
-/// [`AppError::Internal`] for what is no JSON.
-pub async fn sky_line(
+/// [`AppError::Internal`], only by a defect.
+pub async fn each_sky_line(
+    source: &Arc<dyn SkySource>,
+    view: &SceneView,
+    scene: &SceneId,
+    skies: Vec<SkyOfMany>,
+    mut take: impl AsyncFnMut(f64, Vec<u8>) -> bool,
+) -> Result<(), AppError> {
+    let count = skies.len();
+    let mut waiting = skies.into_iter();
+    let mut under_way = VecDeque::with_capacity(AT_A_TIME);
+    for taken in 0..count {
+        while under_way.len() < AT_A_TIME
+            && let Some(asked) = waiting.next()
+        {
+            let (source, view, scene) = (Arc::clone(source), view.clone(), scene.clone());
+            let render = async move { sky_line(source.as_ref(), &view, scene, asked).await };
+            under_way.push_back(tokio::spawn(render));
+        }
+        let Some(next) = under_way.pop_front() else { break };
+        let line = next
+            .await
+            .map_err(|error| AppError::internal(format!("a worker of skies failed: {error}")))??;
+        if !take(taken as f64 / count as f64, line).await {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Renders a sky, or says why not; as a line of JSON with its end.
+async fn sky_line(
     source: &dyn SkySource,
     view: &SceneView,
     scene: SceneId,
@@ -32,8 +69,7 @@ pub async fn sky_line(
             if let AppError::Internal { reason } = &error {
                 tracing::error!(reason, "one of many skies failed");
             }
-            let (detail, errors) = (error.detail(), error.field_errors().to_vec());
-            SkyLine { place, name, sky: None, error: Some(LineError { detail, errors }) }
+            SkyLine { place, name, sky: None, error: Some(LineError::from(&error)) }
         }
     };
     let mut bytes = serde_json::to_vec(&line).map_err(AppError::internal)?;

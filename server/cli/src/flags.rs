@@ -2,7 +2,7 @@
 
 use crate::{device::Device, failure::Failure, folders, program, query};
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_app::{SkySource, facts::SourceFacts};
+use skyglow_app::{SkySource, facts::SourceFacts, opening::LoadedEngine};
 use skyglow_observatory::{CacheSizes, MAX_PLACES};
 use skyglow_scene::ChangeLimits;
 use std::{path::PathBuf, sync::Arc};
@@ -72,7 +72,7 @@ impl ProgramFlags {
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
         let (data, packs) = (self.data.folder(), self.packs.folder());
-        let loaded = program::start_engine(&packs, device, None)?;
+        let loaded = LoadedEngine::start(&packs, device.into(), None).map_err(Failure::work)?;
         let (limits, sizes) = (ChangeLimits::none(), CacheSizes::of_machine());
         Ok(program::open(loaded, &data, limits, &sizes, MAX_PLACES, false))
     }

@@ -1,84 +1,18 @@
-//! Scenes, packs and engine put together.
+//! Engines before the scenes of a folder, with uploads read by a process of their own.
 
 use crate::{
-    device::Device,
     failure::Failure,
     progress::{self, Stages},
 };
-use skyglow_app::{SkySource, UploadReader, sandbox, upload_reader::UploadTask};
-use skyglow_observatory::{CacheSizes, OPEN_SCENE_COUNT, Observatory};
-use skyglow_render::{
-    Engine, EngineConfig, LeftOutPack, UndamagedTables,
-    celestial::{CelestialTables, tables::MAX_KEPT_BYTES},
-    resident_tables, undamaged_tables,
-};
+use skyglow_app::{SkySource, UploadReader, opening::LoadedEngine, sandbox, upload_reader::UploadTask};
+use skyglow_observatory::CacheSizes;
 use skyglow_scene::{ChangeLimits, SceneStore, create_demo, demo_is_wanted};
-use skyglow_tables::{Manifest, packs_in};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
     sync::Arc,
     time::Duration,
 };
-
-/// An engine with its packs.
-pub(crate) struct LoadedEngine {
-    engine: Engine,
-    manifests: Vec<Manifest>,
-    left_out: Vec<LeftOutPack>,
-    celestial: Option<CelestialTables>,
-}
-
-impl LoadedEngine {
-    /// Bytes of main memory that packs and celestial tables take, with what is kept of them.
-    pub(crate) fn main_memory_bytes(&self) -> u64 {
-        let celestial = if self.celestial.is_some() { MAX_KEPT_BYTES as u64 } else { 0 };
-        self.engine.main_memory_bytes() + celestial
-    }
-}
-
-/// The celestial tables beside packs. Skies without a time need none, so one that is refused is only logged.
-fn celestial_tables(packs: &Path) -> Option<CelestialTables> {
-    CelestialTables::open(packs).unwrap_or_else(|error| {
-        tracing::warn!("no sky of a time is served: {error}");
-        None
-    })
-}
-
-/// An engine over the packs of a folder.
-///
-/// * `within_bytes`: of memory that packs may take, for a server, which does without those that are damaged; None refuses them.
-///
-/// # Errors
-/// [`Failure::Work`] where there are no packs, one is refused, they do not fit, or there is no such device.
-pub(crate) fn start_engine(
-    packs: &Path,
-    device: Device,
-    within_bytes: Option<u64>,
-) -> Result<LoadedEngine, Failure> {
-    let paths = packs_in(packs).map_err(Failure::work)?;
-    if paths.is_empty() {
-        return Err(Failure::Work(format!(
-            "no table packs in {}: `skyglow precompute` makes them",
-            packs.display()
-        )));
-    }
-    let found = match within_bytes {
-        Some(most_bytes) => undamaged_tables(&paths, most_bytes),
-        None => resident_tables(&paths).map(|(tables, manifests)| UndamagedTables {
-            tables,
-            manifests,
-            left_out: Vec::new(),
-        }),
-    };
-    let UndamagedTables { tables, manifests, left_out } = found.map_err(Failure::work)?;
-    for pack in &left_out {
-        tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
-    }
-    let config = EngineConfig { device: device.into(), tables, ..EngineConfig::default() };
-    let engine = Engine::start(config).map_err(Failure::work)?;
-    Ok(LoadedEngine { engine, manifests, left_out, celestial: celestial_tables(packs) })
-}
 
 /// An engine before the scenes of a folder.
 ///
@@ -94,17 +28,7 @@ pub(crate) fn open(
     max_places: usize,
     sandbox_required: bool,
 ) -> Arc<dyn SkySource> {
-    let LoadedEngine { engine, manifests, left_out, celestial } = loaded;
-    let mut observatory = Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
-    if let Some(tables) = celestial {
-        observatory = observatory.with_celestial_tables(tables);
-    }
-    if !limits.is_none() {
-        let changes = observatory.changes().clone();
-        std::thread::spawn(move || skyglow_app::stored::read_index(&changes));
-    }
-    let source = skyglow_app::ObservatorySource::new(Arc::new(observatory));
-    let source = source.with_max_places(max_places).without_packs(&left_out);
+    let source = loaded.before(data, limits, sizes, max_places);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {

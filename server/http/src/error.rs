@@ -8,7 +8,7 @@ use axum::{
 };
 use skyglow_app::{
     error::AppError,
-    validation::{FieldError, Refusal, ValidationCode},
+    validation::{Refusal, ValidationCode},
 };
 use thiserror::Error;
 
@@ -148,35 +148,9 @@ impl ApiError {
     /// The table of status codes: the only place that knows them.
     pub fn row(&self) -> Row {
         match self {
-            ApiError::App(AppError::Parameters(errors)) => parameters_row(errors),
-            ApiError::App(AppError::UnknownScene { .. }) => {
-                (StatusCode::NOT_FOUND, "unknown-scene", "There is no such scene")
-            }
-            ApiError::App(AppError::DamagedScene { .. }) => {
-                (StatusCode::SERVICE_UNAVAILABLE, "damaged-scene", "The scene is damaged and left out")
-            }
-            ApiError::App(AppError::UnknownScenario { .. }) => {
-                (StatusCode::NOT_FOUND, "unknown-scenario", "There is no such scenario or plan")
-            }
-            ApiError::App(AppError::StalePlan { .. }) => {
-                (StatusCode::CONFLICT, "stale-plan", "The plan is for an earlier state of the scene")
-            }
-            ApiError::App(AppError::DraftPlan { .. }) => {
-                (StatusCode::CONFLICT, "draft-plan", "The plan is not kept")
-            }
-            ApiError::App(AppError::Storage { .. }) => {
-                (StatusCode::SERVICE_UNAVAILABLE, "storage", "The server cannot keep this now")
-            }
-            ApiError::App(AppError::SceneTooLarge { .. }) => (
-                StatusCode::SERVICE_UNAVAILABLE,
-                "scene-too-large",
-                "The scene takes more memory than there is",
-            ),
-            ApiError::App(AppError::OutsideScene { .. }) => {
-                (StatusCode::NOT_FOUND, "outside-scene", "The place lies outside the scene")
-            }
-            ApiError::App(AppError::UnknownTile { .. }) => {
-                (StatusCode::NOT_FOUND, "unknown-tile", "There is no such tile")
+            ApiError::App(error) => {
+                let kind = error.kind();
+                (status_of(error), kind.name, kind.title)
             }
             ApiError::NotFound => (StatusCode::NOT_FOUND, "not-found", "There is nothing here"),
             ApiError::NoSuchProcess => (StatusCode::NOT_FOUND, "no-such-process", "There is no such process"),
@@ -205,13 +179,6 @@ impl ApiError {
                 (StatusCode::FORBIDDEN, "operator-only", "Only the operator may do this")
             }
             ApiError::KeysOnly => (StatusCode::FORBIDDEN, "keys-only", "Only clients with a key may do this"),
-            ApiError::App(AppError::NotOwner { .. }) => {
-                (StatusCode::FORBIDDEN, "not-owner", "The scenario or plan is somebody else's")
-            }
-            ApiError::App(AppError::PinsFull) => (StatusCode::CONFLICT, "pins-full", "No more can be pinned"),
-            ApiError::App(AppError::BadUpload { .. }) => {
-                (StatusCode::UNPROCESSABLE_ENTITY, "bad-upload", "What was uploaded cannot be meant")
-            }
             ApiError::QuotaUsed { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "quota-used", "The key's requests of the day are used up")
             }
@@ -224,20 +191,11 @@ impl ApiError {
             ApiError::TooManyRequests { .. } => {
                 (StatusCode::TOO_MANY_REQUESTS, "too-many-requests", "Too many requests from this address")
             }
-            ApiError::App(AppError::Busy { .. }) => {
-                (StatusCode::SERVICE_UNAVAILABLE, "busy", "The server is busy")
-            }
             ApiError::BeingMade { .. } => {
                 (StatusCode::SERVICE_UNAVAILABLE, "being-made", "This is being made")
             }
             ApiError::Timeout { .. } => {
                 (StatusCode::SERVICE_UNAVAILABLE, "timeout", "The answer took too long")
-            }
-            ApiError::App(AppError::EngineDown) => {
-                (StatusCode::SERVICE_UNAVAILABLE, "engine-down", "The engine does not answer")
-            }
-            ApiError::App(AppError::Internal { .. }) => {
-                (StatusCode::INTERNAL_SERVER_ERROR, "internal", "Something is wrong with the server")
             }
         }
     }
@@ -275,7 +233,7 @@ impl ApiError {
             detail,
             errors,
             bounds: match self {
-                ApiError::App(AppError::OutsideScene { bounds, .. }) => Some(*bounds),
+                ApiError::App(error) => error.bounds(),
                 _ => None,
             },
             progress: match self {
@@ -286,16 +244,25 @@ impl ApiError {
     }
 }
 
-fn parameters_row(errors: &[FieldError]) -> Row {
-    match Refusal::of(errors) {
-        Refusal::UnknownParameter => (StatusCode::BAD_REQUEST, "unknown-parameter", "Unknown parameter"),
-        Refusal::NotResident => {
-            (StatusCode::UNPROCESSABLE_ENTITY, "not-resident", "The tables for this are not resident")
-        }
-        Refusal::OutOfRange => {
-            (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "Outside the range that is resident")
-        }
-        Refusal::BadParameters => (StatusCode::BAD_REQUEST, "bad-parameters", "Bad parameters"),
+fn status_of(error: &AppError) -> StatusCode {
+    match error {
+        AppError::Parameters(errors) => match Refusal::of(errors) {
+            Refusal::UnknownParameter | Refusal::BadParameters => StatusCode::BAD_REQUEST,
+            Refusal::NotResident | Refusal::OutOfRange => StatusCode::UNPROCESSABLE_ENTITY,
+        },
+        AppError::UnknownScene { .. }
+        | AppError::UnknownScenario { .. }
+        | AppError::OutsideScene { .. }
+        | AppError::UnknownTile { .. } => StatusCode::NOT_FOUND,
+        AppError::StalePlan { .. } | AppError::DraftPlan { .. } | AppError::PinsFull => StatusCode::CONFLICT,
+        AppError::NotOwner { .. } => StatusCode::FORBIDDEN,
+        AppError::BadUpload { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+        AppError::DamagedScene { .. }
+        | AppError::Storage { .. }
+        | AppError::SceneTooLarge { .. }
+        | AppError::Busy { .. }
+        | AppError::EngineDown => StatusCode::SERVICE_UNAVAILABLE,
+        AppError::Internal { .. } => StatusCode::INTERNAL_SERVER_ERROR,
     }
 }
 
@@ -336,6 +303,7 @@ impl IntoResponse for ApiError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use skyglow_app::validation::FieldError;
 
     fn mistake(code: ValidationCode) -> FieldError {
         FieldError {

@@ -2104,12 +2104,18 @@ export interface components {
          * @enum {string}
          */
         Light: "artificial" | "total";
-        /** @description Why a place has no sky. */
+        /** @description Why there is no answer: a problem document without what HTTP adds to it. */
         LineError: {
+            /** @description West, south, east, north of the scene, degrees, where the place lies outside it. */
+            bounds?: number[] | null;
             /** @description What is wrong, in words. */
             detail: string;
             /** @description What is wrong with which parameter. */
             errors: components["schemas"]["FieldError"][];
+            /** @description The kind in words. */
+            title: string;
+            /** @description Stable name of the kind of problem, such as `/problems/outside-scene`. */
+            type: string;
         };
         /** @description Artificial light low in the sky. A direction is the mean over 15° of azimuth and the lowest 30° of the visible sky. */
         LowSkyAnswer: {

@@ -1,18 +1,9 @@
 //! One of many skies: its numbers, or why it has none.
 
 use super::SkyAnswer;
-use crate::validation::FieldError;
+use crate::problem::LineError;
 use serde::Serialize;
 use utoipa::ToSchema;
-
-/// Why a place has no sky.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct LineError {
-    /// What is wrong, in words.
-    pub detail: String,
-    /// What is wrong with which parameter.
-    pub errors: Vec<FieldError>,
-}
 
 /// One of many skies: the answer of `GET sky`, or an error.
 #[derive(Clone, Debug, Serialize, ToSchema)]

@@ -2,7 +2,7 @@
 
 use crate::{failure::Failure, logging, partial_settings::PartialSettings, program, settings::Settings};
 use clap::Args;
-use skyglow_app::SkySource;
+use skyglow_app::{SkySource, opening::LoadedEngine};
 use skyglow_http::{HttpConfig, MemoryShares, router_with_access, serve};
 use skyglow_scene::{ChangeLimits, SceneStore};
 use std::{future::Future, path::PathBuf, sync::Arc, time::Duration};
@@ -121,7 +121,8 @@ fn start(settings: &Settings) -> Result<(Arc<dyn SkySource>, HttpConfig), Failur
         check_sandbox(settings.upload_sandbox_required)?;
     }
     let most_bytes = MemoryShares::most_for_packs();
-    let loaded = program::start_engine(&settings.packs, settings.device, Some(most_bytes))?;
+    let loaded = LoadedEngine::start(&settings.packs, settings.device.into(), Some(most_bytes))
+        .map_err(Failure::work)?;
     let packs_bytes = loaded.main_memory_bytes();
     let shares = MemoryShares::of_machine(packs_bytes, settings.brightness_map_bytes(), &settings.http);
     let shares = shares.map_err(Failure::work)?;

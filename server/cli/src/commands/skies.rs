@@ -6,7 +6,7 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::Args;
-use skyglow_app::{parameters::SkiesParameters, request, sky_lines::sky_line};
+use skyglow_app::{parameters::SkiesParameters, request, sky_lines::each_sky_line};
 use skyglow_scene::SceneId;
 use std::{
     io::{ErrorKind, Write},
@@ -52,14 +52,17 @@ impl Skies {
         };
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(Failure::work)?;
-        for sky in asked.skies {
-            let line = sky_line(source.as_ref(), &view, self.scene.clone(), sky);
-            match output.write_all(&runtime.block_on(line).map_err(failure)?) {
-                // A reader that has gone away has what it wanted.
-                Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-                written => written.map_err(Failure::work)?,
-            }
+        let mut written = Ok(());
+        let write = async |_: f64, line: Vec<u8>| {
+            written = output.write_all(&line);
+            written.is_ok()
+        };
+        let lines = each_sky_line(&source, &view, &self.scene, asked.skies, write);
+        runtime.block_on(lines).map_err(failure)?;
+        match written {
+            // A reader that has gone away has what it wanted.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            written => written.map_err(Failure::work),
         }
-        Ok(())
     }
 }

@@ -17,13 +17,13 @@ use axum::{
     http::{HeaderMap, Response},
 };
 use skyglow_app::{
-    answers::{BrightnessAssumptions, brightness_shows, standards::MAX_LAYER_PIXELS},
+    answers::{BrightnessAssumptions, standards::MAX_LAYER_PIXELS},
+    layer_file,
     parameters::{BrightnessParameters, NoParameters, ScenarioParameters},
     request::{brightness, scene_id},
     source::SkySource,
 };
-use skyglow_display::notes;
-use skyglow_scene::{PlaceValues, RasterMetadata, Scene, TileLayer};
+use skyglow_scene::TileLayer;
 
 /// Bytes that a raster takes for each pixel while it is written.
 const BYTES_PER_PIXEL: usize = 16;
@@ -89,30 +89,8 @@ async fn scene_layer(
         return Ok(response);
     }
     let bytes = layer_bytes(view.metadata().grid.width as usize * view.metadata().grid.height as usize);
-    let make = state.work.long(Lane::Plan, bytes, move |_, _| {
-        let scene = view.scene();
-        let places = scene.layer_at_places(layer, scene.place_lattice(MAX_LAYER_PIXELS));
-        let places = places.ok_or_else(|| ApiError::internal("a layer of another size than its lattice"))?;
-        let unit = match layer {
-            TileLayer::Radiance => "nW cm-2 sr-1",
-            TileLayer::Elevation => "m",
-        };
-        let metadata = scene.metadata();
-        let version = metadata.version.as_str();
-        let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("SCENE_VERSION", version)];
-        let (shows, of_block) = match layer {
-            TileLayer::Radiance => ("upward radiance", "mean"),
-            TileLayer::Elevation => ("terrain elevation", "middle"),
-        };
-        let shows = match places.lattice().step {
-            1 => shows.to_owned(),
-            step => format!("{shows}, {of_block} of {step} x {step} pixels"),
-        };
-        let description = notes::description(shows, metadata.illustrative);
-        scene
-            .places_geotiff(&places, &RasterMetadata { description: &description, unit, notes: &notes })
-            .map_err(ApiError::internal)
-    });
+    let make =
+        state.work.long(Lane::Plan, bytes, move |_, _| Ok(layer_file::scene_layer(view.scene(), layer)?));
     let make = async { make.await.map(|(made, held)| state.work.keep(made, held).into()) };
     let made = state.answer(&caching.etag, make).await?;
     Ok(made.response(&caching, "image/tiff"))
@@ -138,23 +116,7 @@ async fn brightness_layer(
         let warnings = assumptions.warnings.clone();
         let grid = &map.scene().grid;
         let bytes = layer_bytes(grid.width as usize * grid.height as usize);
-        let write = move |_: &dyn SkySource, _: &Work| {
-            let assumptions = serde_json::to_string(&assumptions).map_err(ApiError::internal)?;
-            let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-            let what = brightness_shows(map.measure, &map.response);
-            let shows = match map.places().lattice().step {
-                1 => what,
-                step => format!(
-                    "{what}, found for blocks of {step} x {step} pixels, linear between their middles"
-                ),
-            };
-            let description = notes::description(shows, map.scene().illustrative);
-            let pixels = on_every_pixel(map.open_scene(), map.places());
-            let pixels =
-                pixels.ok_or_else(|| ApiError::internal("a map of another size than its lattice"))?;
-            let words = RasterMetadata { description: &description, unit: &map.unit(), notes: &notes };
-            map.open_scene().places_geotiff(&pixels, &words).map_err(ApiError::internal)
-        };
+        let write = move |_: &dyn SkySource, _: &Work| Ok(layer_file::brightness_layer(&map, &assumptions)?);
         let (made, held) = state.work.long(Lane::Plan, bytes, write).await?;
         Ok(EncodedAnswer { bytes: state.work.keep(made, held), warnings, ..EncodedAnswer::default() })
     };
@@ -162,19 +124,4 @@ async fn brightness_layer(
     let mut response = made.response(&caching, "image/tiff");
     put_warnings(&mut response, &made.warnings);
     Ok(response)
-}
-
-/// Numbers of places on every pixel of the scene's raster: linear between the places.
-fn on_every_pixel(scene: &Scene, places: &PlaceValues) -> Option<PlaceValues> {
-    let pixels = scene.place_lattice(MAX_LAYER_PIXELS);
-    if pixels == places.lattice() {
-        return Some(places.clone());
-    }
-    let (columns, step) = (pixels.columns as usize, f64::from(pixels.step));
-    let value = |index: usize| {
-        let middle = |at: usize| (at as f64 + 0.5) * step;
-        let value = places.at(middle(index % columns), middle(index / columns), step);
-        value.map_or(f32::NAN, |value| value as f32)
-    };
-    PlaceValues::new(pixels, (0..pixels.len()).map(value).collect())
 }

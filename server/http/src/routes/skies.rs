@@ -16,13 +16,12 @@ use hyper::body::Frame;
 use skyglow_app::{
     parameters::SkiesParameters,
     request::{SkiesBody, SkyOfMany, scene_id, skies},
-    sky_lines::sky_line,
+    sky_lines::each_sky_line,
     source::SkySource,
 };
 use skyglow_observatory::SceneView;
 use skyglow_scene::SceneId;
 use std::{
-    collections::VecDeque,
     convert::Infallible,
     pin::Pin,
     sync::Arc,
@@ -36,8 +35,6 @@ use tokio::{
 };
 use tracing::Instrument;
 
-/// Skies that are rendered at a time.
-const AT_A_TIME: usize = 8;
 /// Lines that wait for their client.
 const LINES_WAITING: usize = 64;
 /// How long a line waits for its client: who reads slower keeps others waiting.
@@ -99,7 +96,7 @@ pub async fn post_skies(
     Ok(response)
 }
 
-/// Renders some skies at a time and sends their lines in order, until nobody takes them.
+/// Renders skies and sends their lines in order, until nobody takes them.
 async fn send_lines(
     source: &Arc<dyn SkySource>,
     view: &SceneView,
@@ -108,30 +105,11 @@ async fn send_lines(
     lines: &mpsc::Sender<Bytes>,
     work: &Work,
 ) {
-    let count = skies.len();
-    let mut waiting = skies.into_iter();
-    let mut under_way = VecDeque::with_capacity(AT_A_TIME);
-    for sent in 0..count {
-        while under_way.len() < AT_A_TIME
-            && let Some(asked) = waiting.next()
-        {
-            let (source, view, scene) = (Arc::clone(source), view.clone(), scene.clone());
-            let render = async move { sky_line(source.as_ref(), &view, scene, asked).await };
-            under_way.push_back(tokio::spawn(render));
-        }
-        let Some(next) = under_way.pop_front() else { return };
-        let line = match next.await.map_err(|error| error.to_string()) {
-            Ok(Ok(line)) => line,
-            Ok(Err(error)) => return tracing::error!(reason = %error, "a line of many skies"),
-            Err(reason) => return tracing::error!(reason, "a worker of many skies failed"),
-        };
-        if !work.note(sent as f64 / count as f64) || timeout(PATIENCE, lines.send(line.into())).await.is_err()
-        {
-            return;
-        }
-        if lines.is_closed() {
-            return;
-        }
+    let send = async |done, line: Vec<u8>| {
+        work.note(done) && timeout(PATIENCE, lines.send(line.into())).await.is_ok() && !lines.is_closed()
+    };
+    if let Err(error) = each_sky_line(source, view, scene, skies, send).await {
+        tracing::error!(?error, "a line of many skies");
     }
 }
 

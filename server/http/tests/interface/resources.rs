@@ -165,7 +165,10 @@ async fn only_the_embed_may_be_framed_by_others() {
         let page = server.answer(path).await;
         assert_eq!(page.status(), 200, "{path}");
         let policy = header(&page, "content-security-policy").to_owned();
-        assert!(policy.contains("default-src 'none'") && policy.contains("base-uri 'none'"), "{path}: {policy}");
+        assert!(
+            policy.contains("default-src 'none'") && policy.contains("base-uri 'none'"),
+            "{path}: {policy}"
+        );
         let ancestors = policy.split(';').find_map(|part| part.trim().strip_prefix("frame-ancestors "));
         match ancestors.unwrap_or_else(|| panic!("{path}: {policy}")) {
             "*" => framed.push(path),

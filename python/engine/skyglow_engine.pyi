@@ -1,0 +1,26 @@
+"""The engine of Skyglow: skyglow.Engine is how to ask it."""
+
+from pathlib import Path
+from typing import final
+
+class RefusedError(Exception):
+    """Why there is no answer; its one argument is a problem document (RFC 9457) as JSON text."""
+
+@final
+class Engine:
+    """An engine with its table packs, before the scenes of a folder."""
+
+    def __init__(self, packs: str | Path, data: str | Path, device: str) -> None: ...
+    def answer(self, address: str, query: str = "", body: bytes | None = None) -> bytes:
+        """What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes."""
+
+    @property
+    def executor(self) -> str:
+        """What renders: ``gpu``, ``lavapipe`` or ``cpu``."""
+
+    @property
+    def adapter(self) -> str:
+        """The device's name."""
+
+def make_demo(data: str | Path) -> bool:
+    """Makes the demo scene in a folder where there is none, or an older one; whether it did."""

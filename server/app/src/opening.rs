@@ -1,0 +1,108 @@
+//! Scenes, packs and engine put together: what the command line and the Python package ask without a server, and what a server serves.
+
+use crate::observatory::ObservatorySource;
+use skyglow_observatory::{CacheSizes, OPEN_SCENE_COUNT, Observatory};
+use skyglow_render::{
+    DeviceChoice, Engine, EngineConfig, LeftOutPack, RenderError, UndamagedTables,
+    celestial::{CelestialTables, tables::MAX_KEPT_BYTES},
+    resident_tables, undamaged_tables,
+};
+use skyglow_scene::ChangeLimits;
+use skyglow_tables::{Manifest, packs_in};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use thiserror::Error;
+
+/// Why there is no engine.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// A folder without packs.
+    #[error("no table packs in {}: `skyglow precompute` makes them", folder.display())]
+    NoPacks {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A pack is refused, the packs do not fit, or there is no such device.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// An engine with its packs.
+#[derive(Debug)]
+pub struct LoadedEngine {
+    engine: Engine,
+    manifests: Vec<Manifest>,
+    left_out: Vec<LeftOutPack>,
+    celestial: Option<CelestialTables>,
+}
+
+/// The celestial tables beside packs. Skies without a time need none, so one that is refused is only logged.
+fn celestial_tables(packs: &Path) -> Option<CelestialTables> {
+    CelestialTables::open(packs).unwrap_or_else(|error| {
+        tracing::warn!("no sky of a time is served: {error}");
+        None
+    })
+}
+
+impl LoadedEngine {
+    /// An engine over the packs of a folder; takes a second or two.
+    ///
+    /// * `within_bytes`: of memory that packs may take, for a server, which does without those that are damaged; None refuses them.
+    ///
+    /// # Errors
+    /// [`OpenError`].
+    pub fn start(packs: &Path, device: DeviceChoice, within_bytes: Option<u64>) -> Result<Self, OpenError> {
+        let paths = packs_in(packs).map_err(RenderError::from)?;
+        if paths.is_empty() {
+            return Err(OpenError::NoPacks { folder: packs.to_owned() });
+        }
+        let found = match within_bytes {
+            Some(most_bytes) => undamaged_tables(&paths, most_bytes),
+            None => resident_tables(&paths).map(|(tables, manifests)| UndamagedTables {
+                tables,
+                manifests,
+                left_out: Vec::new(),
+            }),
+        };
+        let UndamagedTables { tables, manifests, left_out } = found?;
+        for pack in &left_out {
+            tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
+        }
+        let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
+        Ok(Self { engine, manifests, left_out, celestial: celestial_tables(packs) })
+    }
+
+    /// Bytes of main memory that packs and celestial tables take, with what is kept of them.
+    pub fn main_memory_bytes(&self) -> u64 {
+        let celestial = if self.celestial.is_some() { MAX_KEPT_BYTES as u64 } else { 0 };
+        self.engine.main_memory_bytes() + celestial
+    }
+
+    /// The engine before the scenes of a folder.
+    ///
+    /// * `limits`: what is kept of scenarios and plans.
+    /// * `sizes`: what is kept in memory.
+    /// * `max_places`: of a map of the zenith's brightness.
+    pub fn before(
+        self,
+        data: &Path,
+        limits: ChangeLimits,
+        sizes: &CacheSizes,
+        max_places: usize,
+    ) -> ObservatorySource {
+        let Self { engine, manifests, left_out, celestial } = self;
+        let mut observatory =
+            Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
+        if let Some(tables) = celestial {
+            observatory = observatory.with_celestial_tables(tables);
+        }
+        if !limits.is_none() {
+            let changes = observatory.changes().clone();
+            std::thread::spawn(move || crate::stored::read_index(&changes));
+        }
+        let source = ObservatorySource::new(Arc::new(observatory));
+        source.with_max_places(max_places).without_packs(&left_out)
+    }
+}
