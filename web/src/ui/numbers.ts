@@ -92,6 +92,25 @@ function bortleWords({ sky, coverage, night_sky }: SkyAnswer): string {
   return coverage < WELL_KNOWN ? say.orBrighter(name) : name;
 }
 
+/** Illuminance under a clear sky by the full Moon high up, lx (Kyba et al. 2017). */
+const FULL_MOON_LX = 0.25;
+
+/** Light on the ground as a part of moonlight. */
+function moonlight(illuminanceLx: number): string {
+  return placeWords().numbers.moonlight(ratio(illuminanceLx / FULL_MOON_LX));
+}
+
+/** The wall that receives most of all light. */
+function brightestWall({ surfaces }: SkyAnswer["sky"]): HTMLElement[] {
+  const say = placeWords().numbers;
+  const light = surfaces.by_response[0];
+  if (light === undefined) return [];
+  const { total, artificial } = light;
+  const facing = say.facing(compassName(total.vertical_largest_azimuth_deg));
+  const alone = `${say.artificialAlone} ${withPrefix(artificial.vertical_largest, "lx")}`;
+  return [row(say.wall, withPrefix(total.vertical_largest, "lx"), "", "wall", `${facing}; ${alone}`)];
+}
+
 /** The numbers of a sky: all light first, which a meter sees, beside it artificial light alone. */
 function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: ViewState, scene: Scene): void {
   const { sky } = answer;
@@ -143,8 +162,9 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
       withPrefix(sky.horizontal_total_illuminance_lx, "lx"),
       "",
       "illuminance",
-      `${say.artificialAlone} ${withPrefix(sky.horizontal_illuminance_lx, "lx")}`,
+      `${say.artificialAlone} ${withPrefix(sky.horizontal_illuminance_lx, "lx")}, ${moonlight(sky.horizontal_illuminance_lx)}`,
     ),
+    ...brightestWall(sky),
     limit === null || limit === undefined
       ? row(say.faintestStars, say.noStars, say.behindClouds, "naked_eye_limit")
       : row(say.faintestStars, fixed(limit, 2), say.nakedEye, "naked_eye_limit"),

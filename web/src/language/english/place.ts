@@ -157,6 +157,10 @@ export const place = {
     ratio: "Artificial at the zenith",
     natural: "natural",
     illuminance: "Light on the ground",
+    /** Of artificial light; `times`: how many times. */
+    moonlight: (times: string) => `${times} × full moonlight`,
+    wall: "Brightest wall",
+    facing: (direction: string) => `facing ${direction}`,
     faintestStars: "Faintest stars",
     noStars: "none",
     behindClouds: "behind clouds",
