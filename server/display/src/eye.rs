@@ -21,6 +21,14 @@ const WHITE: [f64; 2] = [0.3127, 0.3290];
 /// Luminances that an eye can be adapted to, cd m⁻².
 pub const ADAPTATION_RANGE_CD_M2: (f64, f64) = (1e-4, 1e5);
 
+/// Less than this is darkness behind a veil, cd m⁻².
+const DARK_CD_M2: f64 = 1e-5;
+
+/// How much more an eye is adapted to where a veil lies over a luminance, both together: by as much as the veil brightens it.
+pub fn dazzle(luminance_cd_m2: f64, veil_cd_m2: f64) -> f64 {
+    1.0 + veil_cd_m2 / (luminance_cd_m2 - veil_cd_m2).max(DARK_CD_M2)
+}
+
 /// X, Y, Z and scotopic luminance, cd m⁻².
 pub type Seen = [f64; 4];
 
@@ -38,10 +46,10 @@ impl Eye {
         Self { gain: exposure_ev.exp2(), adaptation_cd_m2, bytes: SrgbBytes::default() }
     }
 
-    /// Linear sRGB, 0..=1, of what is seen, of which `veil_cd_m2` is a veil that the eye is adapted to there.
-    pub fn linear(&self, [x, y, z, scotopic]: Seen, veil_cd_m2: f64) -> [f64; 3] {
+    /// Linear sRGB, 0..=1, of what is seen, where the eye is adapted to `dazzled` times as much.
+    pub fn linear(&self, [x, y, z, scotopic]: Seen, dazzled: f64) -> [f64; 3] {
         let mesopic = mesopic(y, scotopic);
-        let adaptation_cd_m2 = (self.adaptation_cd_m2 + veil_cd_m2).max(ADAPTATION_RANGE_CD_M2.0);
+        let adaptation_cd_m2 = (self.adaptation_cd_m2 * dazzled).max(ADAPTATION_RANGE_CD_M2.0);
         let half_cd_m2 = ADAPTATION_SCALE * adaptation_cd_m2.powf(ADAPTATION_EXPONENT) / self.gain;
         let power = mesopic.luminance_cd_m2.max(0.0).powf(RESPONSE_EXPONENT);
         let shown = (power / (power + half_cd_m2.powf(RESPONSE_EXPONENT))).powf(CONTRAST_EXPONENT);
@@ -94,7 +102,7 @@ mod tests {
 
     fn bytes(seen: Seen, adaptation_cd_m2: f64) -> [u8; 3] {
         let eye = Eye::new(0.0, adaptation_cd_m2);
-        eye.encoded(eye.linear(seen, 0.0))
+        eye.encoded(eye.linear(seen, 1.0))
     }
 
     /// A pristine sky is a near-black blue-grey whatever its light, a city's dome has its lamps' colour, and bright light is white.
@@ -121,24 +129,24 @@ mod tests {
         assert!(green(2e-4, 2e-2) < 10.0, "{}", green(2e-4, 2e-2));
         let eye = Eye::new(0.0, 2.5e-4);
         assert!(
-            eye.linear(lit(LampPreset::Led5000k, 0.1), 0.09)[1]
-                < eye.linear(lit(LampPreset::Led5000k, 0.1), 0.0)[1]
+            eye.linear(lit(LampPreset::Led5000k, 0.1), 9.0)[1]
+                < eye.linear(lit(LampPreset::Led5000k, 0.1), 1.0)[1]
         );
     }
 
     /// The viewer's eye has the same values in a test of its own (`web/src/sky/eye.test.ts`).
     #[test]
     fn the_viewer_has_the_same_eye() {
-        for (light, veil_cd_m2, adaptation_cd_m2, wanted) in [
-            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1e-5, 2.5e-4, [43, 47, 61]),
-            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1e-5, 2.5e-4, [66, 72, 91]),
-            ([0.034, 0.03, 0.006, 0.02], 1e-3, 0.02, [85, 78, 85]),
-            ([0.35, 0.3, 0.05, 0.2], 0.01, 0.02, [220, 164, 134]),
-            ([1.9, 2.0, 2.2, 4.8], 0.5, 1.0, [146, 147, 148]),
-            ([2400.0, 2500.0, 2700.0, 6000.0], 100.0, 0.01, [250, 245, 245]),
+        for (light, dazzled, adaptation_cd_m2, wanted) in [
+            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1.05, 2.5e-4, [43, 47, 60]),
+            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1.05, 2.5e-4, [66, 72, 91]),
+            ([0.034, 0.03, 0.006, 0.02], 1.1, 0.02, [83, 76, 83]),
+            ([0.35, 0.3, 0.05, 0.2], 1.5, 0.02, [220, 164, 134]),
+            ([1.9, 2.0, 2.2, 4.8], 1.5, 1.0, [146, 147, 148]),
+            ([2400.0, 2500.0, 2700.0, 6000.0], 1000.0, 0.01, [255, 251, 251]),
         ] {
             let eye = Eye::new(0.0, adaptation_cd_m2);
-            let rgb = eye.encoded(eye.linear(light, veil_cd_m2));
+            let rgb = eye.encoded(eye.linear(light, dazzled));
             assert!(
                 rgb.iter().zip(wanted).all(|(byte, wanted)| byte.abs_diff(wanted) <= 1),
                 "{rgb:?} for {wanted:?}"
@@ -152,7 +160,7 @@ mod tests {
         fn more_light_is_never_darker(exponent in -6.0..3.0_f64, more in 1.0..10.0_f64) {
             let eye = Eye::new(0.0, 1e-3);
             let luminance = |seen: Seen| {
-                let [red, green, blue] = eye.linear(seen, 0.0);
+                let [red, green, blue] = eye.linear(seen, 1.0);
                 0.2126 * red + 0.7152 * green + 0.0722 * blue
             };
             let seen = lit(LampPreset::Mixed, 10f64.powf(exponent));
@@ -161,7 +169,7 @@ mod tests {
 
         #[test]
         fn every_channel_fits_the_display(x in 0.0..2.0_f64, y in 0.0..2.0_f64, z in 0.0..2.0_f64, s in 0.0..5.0_f64) {
-            prop_assert!(Eye::new(3.0, 1e-3).linear([x, y, z, s], 0.0).iter().all(|channel| (0.0..=1.0).contains(channel)));
+            prop_assert!(Eye::new(3.0, 1e-3).linear([x, y, z, s], 1.0).iter().all(|channel| (0.0..=1.0).contains(channel)));
         }
     }
 }

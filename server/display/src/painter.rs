@@ -4,7 +4,7 @@ use crate::{
     colormap::TABLE_LEN,
     colour_bins::ColourBins,
     error::DisplayError,
-    eye::{Eye, Seen},
+    eye::{Eye, Seen, dazzle},
     glare::{Glare, Halo},
     ground::{DARK_TERRAIN_RGB, TERRAIN_RGB},
     legend::Beyond,
@@ -65,7 +65,7 @@ impl<'a> Painter<'a> {
                 let of_sample = |at: usize| -> [f32; 3] {
                     let veil = glare.veil[at].map(f64::from);
                     let seen: Seen = std::array::from_fn(|i| f64::from(planes[i][at]) + veil[i]);
-                    eye.linear(seen, veil[1]).map(|channel| channel as f32)
+                    eye.linear(seen, dazzle(seen[1], veil[1])).map(|channel| channel as f32)
                 };
                 let linear = (0..planes[0].len()).into_par_iter().map(of_sample).collect();
                 Painter::Eye { sampler: Sampler::new(planes), glare, halos, linear, eye }
@@ -103,8 +103,9 @@ impl<'a> Painter<'a> {
                     let (mut light, mut veil) = (sampler.values(direction)?, glare.at(&taps));
                     near.for_each(|more| veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more));
                     let body = body.copied().unwrap_or_default();
+                    let dazzled = dazzle(light[1] + veil[1], veil[1]);
                     light.iter_mut().enumerate().for_each(|(i, light)| *light += veil[i] + body[i]);
-                    return Some(eye.encoded(eye.linear(light, veil[1])));
+                    return Some(eye.encoded(eye.linear(light, dazzled)));
                 }
                 let [a, b, c, d] = taps.offset.map(|at| linear[at]);
                 let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);

@@ -64,13 +64,13 @@ test("the Milky Way stands out", () => {
 
 /** The server's eye has the same values in a test of its own (`server/display/src/eye.rs`). */
 test("the server has the same eye", () => {
-  for (const [light, veil, adaptation, expected] of [
-    [[2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1e-5, 2.5e-4, [43, 47, 61]],
-    [[4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1e-5, 2.5e-4, [66, 72, 91]],
-    [[0.034, 0.03, 0.006, 0.02], 1e-3, 0.02, [85, 78, 85]],
-    [[0.35, 0.3, 0.05, 0.2], 0.01, 0.02, [220, 164, 134]],
-    [[1.9, 2, 2.2, 4.8], 0.5, 1, [146, 147, 148]],
-    [[2400, 2500, 2700, 6000], 100, 0.01, [250, 245, 245]],
+  for (const [light, dazzled, adaptation, expected] of [
+    [[2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1.05, 2.5e-4, [43, 47, 60]],
+    [[4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1.05, 2.5e-4, [66, 72, 91]],
+    [[0.034, 0.03, 0.006, 0.02], 1.1, 0.02, [83, 76, 83]],
+    [[0.35, 0.3, 0.05, 0.2], 1.5, 0.02, [220, 164, 134]],
+    [[1.9, 2, 2.2, 4.8], 1.5, 1, [146, 147, 148]],
+    [[2400, 2500, 2700, 6000], 1000, 0.01, [255, 251, 251]],
   ] as const)
-    assert.deepEqual(eyeBytes(light, 0, adaptation + veil), expected);
+    assert.deepEqual(eyeBytes(light, 0, adaptation * dazzled), expected);
 });

@@ -51,6 +51,14 @@ export function coneTable(): Float32Array {
   });
 }
 
+/** Less than this is darkness behind a veil, cd m⁻². */
+const DARK_CD_M2 = 1e-5;
+
+/** How much more an eye is adapted to where a veil lies over a luminance, both together: by as much as the veil brightens it. */
+export function dazzle(luminanceCdM2: number, veilCdM2: number): number {
+  return 1 + veilCdM2 / Math.max(luminanceCdM2 - veilCdM2, DARK_CD_M2);
+}
+
 /** What an eye adapted to a luminance has as half of the brightest response, to the power of its response. */
 export function halfPower(exposureEv: number, adaptationCdM2: number): number {
   return (

@@ -2,7 +2,7 @@
 
 import { isOfLight } from "./colour-maps.ts";
 import type { Disc } from "./compact.ts";
-import { CONE_TABLE, coneTable, halfPower } from "./eye.ts";
+import { CONE_TABLE, coneTable, dazzle, halfPower } from "./eye.ts";
 import { colourTexture, floatTexture, Program } from "./gl.ts";
 import { HALO_DEG, illuminanceOf } from "./glare.ts";
 import type { SkyGrid } from "./grid.ts";
@@ -155,7 +155,7 @@ export class GpuPainter {
     this.programs?.lines.draw(drawings, plot, pixelsPerCssPx);
   }
 
-  /** Stars, planets, Moon and Sun: light before the sky is never darker than the sky. */
+  /** Moon and Sun, and stars and planets. */
   private paintBefore(
     gl: WebGL2RenderingContext,
     { point, disc, cones }: Programs,
@@ -164,11 +164,8 @@ export class GpuPainter {
   ): void {
     const [left, bottom, width, height] = area;
     const scale = plot.pixelsPerCssPx;
-    gl.blendEquation(gl.MAX);
-    bind(gl, use(point), "cone_table", 1, cones);
-    gl.bindVertexArray(points.array);
-    gl.drawArrays(gl.POINTS, 0, grid.points.length);
-    gl.bindVertexArray(null);
+    // Moon and Sun with their glare take the place of the sky.
+    gl.disable(gl.BLEND);
     // What ground hides has no glare.
     for (const body of grid.discs) {
       const haloDeg = isEye && body.elevation_deg >= Math.max(grid.horizonAt(body.azimuth_deg), 0) ? HALO_DEG : 0;
@@ -187,6 +184,14 @@ export class GpuPainter {
       bind(gl, program, "cone_table", 1, cones);
       paintDisc(gl, program, body, haloDeg);
     }
+    gl.scissor(left, bottom, Math.max(Math.min(width, untilPx - left), 0), height);
+    gl.enable(gl.BLEND);
+    // A star is never darker than the sky.
+    gl.blendEquation(gl.MAX);
+    bind(gl, use(point), "cone_table", 1, cones);
+    gl.bindVertexArray(points.array);
+    gl.drawArrays(gl.POINTS, 0, grid.points.length);
+    gl.bindVertexArray(null);
   }
 
   private use(
@@ -292,7 +297,7 @@ function beforeSky(gl: WebGL2RenderingContext, grid: SkyGrid, { sky, colours }: 
     elevationDeg * RADIANS,
     ...illuminanceLx,
     ...grid.between(light, azimuthDeg, elevationDeg),
-    grid.between(veil, azimuthDeg, elevationDeg)[0],
+    dazzle(grid.between(light, azimuthDeg, elevationDeg)[1], grid.between(veil, azimuthDeg, elevationDeg)[0]),
   ]);
   return {
     sky: floatTexture(gl, "RGBA32F", size, light),

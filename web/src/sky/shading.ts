@@ -3,7 +3,7 @@
 
 import { type ColourMapName, colourTable, type PictureStyle } from "./colour-maps.ts";
 import type { FourValues } from "./compact.ts";
-import { halfPower, seenByEye } from "./eye.ts";
+import { dazzle, halfPower, seenByEye } from "./eye.ts";
 import { glareOf } from "./glare.ts";
 import type { SkyGrid, SkyKind } from "./grid.ts";
 import { filmed, referenceCdM2, seenByCamera } from "./realistic.ts";
@@ -54,7 +54,7 @@ export function shadingOf(grid: SkyGrid, look: PictureLook): Shading {
     const adaptation = adaptationOf(grid, look);
     const texels = texelsOf(grid, (sample) => {
       const { light, veilCdM2 } = veiledAt(grid, sky, sample);
-      return encoded(seenByEye(light, halfPower(exposureEv, adaptation + veilCdM2)));
+      return encoded(seenByEye(light, halfPower(exposureEv, adaptation * dazzle(light[1], veilCdM2))));
     });
     return { isTable: false, texels, groundRgb: DARK_GROUND_RGB };
   }

@@ -50,6 +50,7 @@ void main() {
     }
   }
   if (sum.y == 0.0 && more == 0.0) discard;
-  vec4 light = between_samples(sky, direction) + more * illuminance + sum / float(SAMPLES * SAMPLES);
-  colour = vec4(shown_light(light, between_samples(veil, direction).r + more * illuminance.y), 1.0);
+  vec4 veiled = between_samples(sky, direction) + more * illuminance;
+  float dazzled = dazzle(veiled.y, between_samples(veil, direction).r + more * illuminance.y);
+  colour = vec4(shown_light(veiled + sum / float(SAMPLES * SAMPLES), dazzled), 1.0);
 }

@@ -41,11 +41,16 @@ vec2 mesopic(float photopic, float scotopic) {
   return vec2((cones * photopic + rods * scotopic) / (cones + rods), cones);
 }
 
-/** Of light with the luminance of the veil in it. */
-vec3 seen_by_eye(vec4 light, float veil) {
+/** How much more the eye is adapted to where a veil lies over a luminance, both together (eye.ts). */
+float dazzle(float luminance, float veil) {
+  return 1.0 + veil / max(luminance - veil, 1e-5);
+}
+
+/** Of light, where the eye is dazzled so many times. */
+vec3 seen_by_eye(vec4 light, float dazzled) {
   vec2 seen = mesopic(light.y, light.w);
   float power = pow(max(seen.x, 1e-30), RESPONSE_EXPONENT);
-  float half_power = exposure * pow(max(adaptation + veil, DARKEST), ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
+  float half_power = exposure * pow(max(adaptation * dazzled, DARKEST), ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
   float shown = pow(power / (power + half_power), CONTRAST_EXPONENT);
   vec3 rods = mix(RODS, WHITE, seen.y);
   vec3 cones = light.y > 0.0 ? light.xyz / light.y : rods;
@@ -69,7 +74,7 @@ vec3 filmed(vec3 linear) {
   return shown * mix(inside / brightest, vec3(1.0), pow(shown, 4.0));
 }
 
-/** What X, Y, Z and scotopic light look like, with the luminance of the veil in it. */
-vec3 shown_light(vec4 light, float veil) {
-  return encoded(finish == EYE ? seen_by_eye(light, veil) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
+/** What X, Y, Z and scotopic light look like where the eye is dazzled so many times. */
+vec3 shown_light(vec4 light, float dazzled) {
+  return encoded(finish == EYE ? seen_by_eye(light, dazzled) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
 }

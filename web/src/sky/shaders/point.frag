@@ -2,7 +2,7 @@
 
 flat in vec4 peak;
 flat in vec4 before;
-flat in float veil_before;
+flat in float dazzled;
 flat in float blur_px;
 flat in float size_px;
 out vec4 colour;
@@ -10,5 +10,5 @@ out vec4 colour;
 void main() {
   vec2 away_px = (gl_PointCoord - 0.5) * size_px;
   float part = exp(-0.5 * dot(away_px, away_px) / (blur_px * blur_px));
-  colour = vec4(shown_light(before + part * peak, veil_before), 1.0);
+  colour = vec4(shown_light(before + part * peak, dazzled), 1.0);
 }

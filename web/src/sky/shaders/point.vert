@@ -6,11 +6,11 @@ layout(location = 0) in vec2 direction;
 layout(location = 1) in vec4 illuminance;
 /** X, Y, Z and scotopic luminance of the sky there: the square is small beside its samples. */
 layout(location = 2) in vec4 sky;
-/** Luminance of the veil in it. */
-layout(location = 3) in float veil;
+/** How much more the eye is adapted to there. */
+layout(location = 3) in float dazzle_there;
 flat out vec4 peak;
 flat out vec4 before;
-flat out float veil_before;
+flat out float dazzled;
 flat out float blur_px;
 flat out float size_px;
 
@@ -26,7 +26,7 @@ void main() {
   blur_px = max(EYE_BLUR_RAD / pixel_rad(), MIN_BLUR_PX);
   peak = illuminance / (2.0 * PI * EYE_BLUR_RAD * EYE_BLUR_RAD);
   before = sky;
-  veil_before = veil;
+  dazzled = dazzle_there;
   float faintest = max(DARK_CD_M2, UNSEEN_PART * max(sky.y, sky.w));
   float brightest = max(max(peak.y, peak.w), faintest);
   size_px = 2.0 * ceil(blur_px * sqrt(2.0 * log(brightest / faintest)) + 0.5);
