@@ -5,8 +5,6 @@ use skyglow_app::parameters::{self as p, Parameter, ParameterSet};
 
 /// Where all addresses begin.
 pub const BASE: &str = "/api/v1/";
-/// Where those of a scene do.
-pub const SCENE: &str = "/api/v1/scenes/{scene}/";
 
 /// What is answered at an address.
 #[derive(Clone, Copy, Debug)]

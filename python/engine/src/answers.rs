@@ -95,7 +95,7 @@ impl Answers {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn answer(&self, question: &Question<'_>, watch: &Watch<'_>) -> Result<Vec<u8>, LineError> {
+    pub fn answer(&self, question: &Question<'_>, watch: &Watch<'_>) -> Result<Vec<u8>, Box<LineError>> {
         let Question { address, query, body } = *question;
         let (operation, scene) = find(address, body.is_some()).ok_or_else(|| nothing_at(address))?;
         let read = || {
@@ -106,7 +106,7 @@ impl Answers {
             let asked = OfScene { id: scene_id(scene)?, query, body: body.unwrap_or_default() };
             self.of_scene(operation.below, &asked, watch)
         };
-        read().map_err(|error: AppError| problem(&error))
+        read().map_err(|error: AppError| Box::new(problem(&error)))
     }
 
     /// What needs no scene.
@@ -271,12 +271,12 @@ fn problem(error: &AppError) -> LineError {
     problem
 }
 
-fn nothing_at(address: &str) -> LineError {
-    LineError {
+fn nothing_at(address: &str) -> Box<LineError> {
+    Box::new(LineError {
         kind: "/problems/not-found".to_owned(),
         title: "There is nothing here".to_owned(),
         detail: format!("the engine has no {address}; parameters() names what it has"),
         errors: Vec::new(),
         bounds: None,
-    }
+    })
 }
