@@ -8,7 +8,7 @@ use skyglow_tests::{
 };
 
 /// All but the notebook, which tells of commands and files as they were.
-const DOCUMENTS: [&str; 16] = [
+const DOCUMENTS: [&str; 17] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",

@@ -17,7 +17,7 @@ use skyglow_app::{
     request::{self, Keeping, no_parameters, scenario_alone, scene_id},
     sky_lines::each_sky_line,
 };
-use skyglow_observatory::{CacheSizes, MAX_PLACES, RenderedSky, SkyRequest, Watch};
+use skyglow_observatory::{CacheSizes, MAX_PLACES, RenderedSky, SceneView, SkyRequest, Watch};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{ChangeLimits, Posting, SceneId, TileLayer};
 use std::{path::Path, sync::Arc};
@@ -172,12 +172,20 @@ impl Answers {
     }
 
     fn rendered(&self, request: SkyRequest) -> Result<(Assumptions, RenderedSky), AppError> {
-        let (source, request) = (&self.source, Arc::new(request));
-        let view = source.view(&request.scene, request.scenario.as_ref())?;
-        let site = source.site(&view, request.place)?;
-        check_altitude(&request, site.ground, source.facts().altitude_range_m)?;
-        let sky = self.runtime.block_on(source.sky(Arc::clone(&request), view.clone()))?;
-        Ok((Assumptions::new(&request, view.metadata(), &sky.context, source.facts()), sky))
+        let view = self.source.view(&request.scene, request.scenario.as_ref())?;
+        self.rendered_in(&Arc::new(request), &view)
+    }
+
+    fn rendered_in(
+        &self,
+        request: &Arc<SkyRequest>,
+        view: &SceneView,
+    ) -> Result<(Assumptions, RenderedSky), AppError> {
+        let source = &self.source;
+        let site = source.site(view, request.place)?;
+        check_altitude(request, site.ground, source.facts().altitude_range_m)?;
+        let sky = self.runtime.block_on(source.sky(Arc::clone(request), view.clone()))?;
+        Ok((Assumptions::new(request, view.metadata(), &sky.context, source.facts()), sky))
     }
 
     fn panorama(&self, extension: &str, asked: &OfScene<'_>) -> Result<Vec<u8>, AppError> {
@@ -185,8 +193,10 @@ impl Answers {
         let format = format.ok_or_else(|| AppError::internal(format!("no format {extension}")))?;
         let facts = self.source.facts();
         let (request, picture) = request::panorama(asked.query, asked.id.clone(), facts, format)?;
-        let (assumptions, sky) = self.rendered(request)?;
-        draw(assumptions, &sky, &picture, format).map_err(AppError::internal)
+        let request = Arc::new(request);
+        let view = self.source.view(&request.scene, request.scenario.as_ref())?;
+        let (assumptions, sky) = self.rendered_in(&request, &view)?;
+        draw(assumptions, (&request, &view), &sky, &picture, format).map_err(AppError::internal)
     }
 
     fn influence(

@@ -2815,6 +2815,8 @@ export interface components {
              * @description What such a meter reads with the natural sky and the stars in its field, mag arcsec⁻².
              */
             sqm_total_brightness_mag_arcsec2?: number | null;
+            /** @description What surfaces receive of the visible sky: level, sloping and upright ones. */
+            surfaces: components["schemas"]["Surfaces"];
             /**
              * Format: double
              * @description The same, mag arcsec⁻².
@@ -3310,6 +3312,85 @@ export interface components {
             stays?: components["schemas"]["Stays"] | null;
             transit_utc?: components["schemas"]["Instant"] | null;
         };
+        /** @description What surfaces receive, in the unit of [`SurfaceLight::unit`]. */
+        SurfaceIlluminance: {
+            /**
+             * Format: double
+             * @description Mean over the sides of a small upright cylinder: over all walls.
+             */
+            cylindrical: number;
+            /**
+             * Format: double
+             * @description A level surface.
+             */
+            horizontal: number;
+            /**
+             * Format: double
+             * @description The ground as the terrain slopes here.
+             */
+            slope: number;
+            /**
+             * Format: double
+             * @description Mean over a small sphere: a quarter of the scalar illuminance ∫ L dΩ.
+             */
+            spherical: number;
+            /**
+             * Format: double
+             * @description A wall that faces east.
+             */
+            vertical_east: number;
+            /**
+             * Format: double
+             * @description The wall that receives most.
+             */
+            vertical_largest: number;
+            /**
+             * Format: double
+             * @description Where that one faces, degrees clockwise from north, to 360/256 degrees.
+             */
+            vertical_largest_azimuth_deg: number;
+            /**
+             * Format: double
+             * @description A wall that faces north.
+             */
+            vertical_north: number;
+            /**
+             * Format: double
+             * @description A wall that faces south.
+             */
+            vertical_south: number;
+            /**
+             * Format: double
+             * @description A wall that faces west.
+             */
+            vertical_west: number;
+        };
+        /** @description What surfaces receive as one response sees it: of the visible sky alone, without what the ground or lamps near by send. */
+        SurfaceLight: {
+            /** @description By artificial light. */
+            artificial: components["schemas"]["SurfaceIlluminance"];
+            /** @description Which. */
+            response: string;
+            /** @description With the natural sky, and what comes straight from Sun, Moon, planets and stars. */
+            total: components["schemas"]["SurfaceIlluminance"];
+            /** @description Unit of the values: lx for luminances, in the response's own kind of light. */
+            unit: string;
+        };
+        /** @description Light that surfaces at a place receive from the sky. */
+        Surfaces: {
+            /** @description As the eye by day (photopic) and in the dark (scotopic) sees it, and the response that was asked for. */
+            by_response: components["schemas"]["SurfaceLight"][];
+            /**
+             * Format: double
+             * @description Azimuth in which it falls, degrees clockwise from north; null for level ground.
+             */
+            downhill_azimuth_deg?: number | null;
+            /**
+             * Format: double
+             * @description Angle of the ground to the horizontal plane, degrees; 0 where there is no terrain or it is not asked for.
+             */
+            slope_deg: number;
+        };
         /** @description What a site wanted of a target plan, and whether it has it. */
         TargetAnswer: {
             /** @description Whether `after` is at most that, to a part in ten thousand. */
@@ -3575,6 +3656,9 @@ export type SkyLine = components['schemas']['SkyLine'];
 export type Stays = components['schemas']['Stays'];
 export type SunAnswer = components['schemas']['SunAnswer'];
 export type SunEvents = components['schemas']['SunEvents'];
+export type SurfaceIlluminance = components['schemas']['SurfaceIlluminance'];
+export type SurfaceLight = components['schemas']['SurfaceLight'];
+export type Surfaces = components['schemas']['Surfaces'];
 export type TargetAnswer = components['schemas']['TargetAnswer'];
 export type TileJson = components['schemas']['TileJson'];
 export type Transit = components['schemas']['Transit'];
@@ -8637,6 +8721,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. Default: dark. */
+                ground?: "dark" | "lit" | "snow";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
@@ -9124,6 +9210,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. */
+                ground?: "dark" | "lit" | "snow";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
@@ -9592,6 +9680,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. */
+                ground?: "dark" | "lit" | "snow";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
