@@ -56,11 +56,11 @@ quantities! {
     zenith_luminance_cd_m2, "Artificial luminance at the zenith", LUMINANCE,
         "Mean within 5 degrees of the zenith, artificial light alone", |sky| Some(sky.zenith_luminance_cd_m2);
     zenith_brightness_mag_arcsec2, "Artificial brightness at the zenith", SURFACE_BRIGHTNESS,
-        "The same in magnitudes; larger is darker", |sky| sky.zenith_brightness_mag_arcsec2;
+        "Mean within 5 degrees of the zenith, artificial light alone, in magnitudes: larger is darker", |sky| sky.zenith_brightness_mag_arcsec2;
     zenith_total_luminance_cd_m2, "Luminance at the zenith", LUMINANCE,
         "With the natural sky: that of datetime, or without it the dark reference", |sky| Some(sky.zenith_total_luminance_cd_m2);
     zenith_total_brightness_mag_arcsec2, "Brightness at the zenith", SURFACE_BRIGHTNESS,
-        "The same in magnitudes; larger is darker", |sky| sky.zenith_total_brightness_mag_arcsec2;
+        "With the natural sky, in magnitudes: larger is darker", |sky| sky.zenith_total_brightness_mag_arcsec2;
     ratio_to_natural, "Artificial over natural luminance at the zenith", RATIO,
         "Artificial luminance at the zenith over the natural one", |sky| Some(sky.ratio_to_natural);
     sqm_luminance_cd_m2, "Luminance for a Sky Quality Meter", LUMINANCE,

@@ -113,13 +113,20 @@ pub async fn get_trajectory(
         return Ok(response);
     }
     let mut numbers: Vec<SkyQuantities> = Vec::with_capacity(prepared.len());
-    let mut assumptions = None;
+    let (mut first, mut warnings) = (None, Vec::new());
     for sky in &prepared {
         let rendered = sky.render(&state).await?;
-        assumptions.get_or_insert_with(|| sky.assumptions(&state, &rendered));
+        let assumptions = sky.assumptions(&state, &rendered);
+        for warning in &assumptions.warnings {
+            if !warnings.contains(warning) {
+                warnings.push(warning.clone());
+            }
+        }
         numbers.push(rendered.quantities.clone());
+        first.get_or_insert(assumptions);
     }
-    let assumptions = assumptions.ok_or_else(|| ApiError::internal("a path without points"))?;
+    let mut assumptions = first.ok_or_else(|| ApiError::internal("a path without points"))?;
+    assumptions.warnings = warnings;
     let times = prepared.iter().map(|sky| sky.request.time.map(|time| time.instant));
     let points: Vec<_> = asked.positions.into_iter().zip(times).collect();
     let coverage = trajectory_coverage(&points, &asked.quantities, &numbers, &assumptions);

@@ -66,7 +66,7 @@ fn description(scene: &SceneMetadata) -> String {
         true => "Made-up light that shows what the program does; it was not measured.",
         false => "The night sky brightened by the lights of a satellite's picture.",
     };
-    let credit = scene.attribution.as_ref().map(|whom| format!(" Light: {whom}.")).unwrap_or_default();
+    let credit = scene.attribution.as_ref().map(|whom| format!(" Credit: {whom}.")).unwrap_or_default();
     format!("{}. {light}{credit}", scene.title)
 }
 
