@@ -12,8 +12,8 @@ use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, Response, T
 use skyglow_render::RenderError;
 use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
 use skyglow_scene::{
-    ChangeId, PatchStore, PlaceKernel, PlaceLattice, PlaceValues, PolarGrid, RasterTile, Scene, SceneId,
-    SceneMetadata, SumWay,
+    ChangeId, PatchStore, PlaceKernel, PlaceLattice, PlaceValues, PlaceWindow, PolarGrid, RasterTile, Scene,
+    SceneId, SceneMetadata, SumWay,
 };
 use skyglow_tables::Scattering;
 use std::{
@@ -290,6 +290,10 @@ impl PatchStore for OfPack<'_> {
 
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
         self.store.store(self.number(patch), sums, (self.pack as f64 + progress) / self.packs as f64)
+    }
+
+    fn wants(&self, places: &PlaceWindow) -> bool {
+        self.store.wants(places)
     }
 }
 

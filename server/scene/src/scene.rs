@@ -5,7 +5,9 @@ use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
 use crate::convolution::Convolution;
 use crate::coverage;
 use crate::dual_tree;
-use crate::dual_tree::{Accumulator, PatchStore, PlaceLattice, PlaceValues, Sources, Stage, SumOf};
+use crate::dual_tree::{
+    Accumulator, PatchStore, PlaceLattice, PlaceValues, PlaceWindow, Sources, Stage, SumOf,
+};
 use crate::error::SceneError;
 use crate::gather;
 use crate::geotiff::{self, RasterError, RasterMetadata};
@@ -468,6 +470,13 @@ impl Scene {
     /// those would be more than 40 000; None where the place is off the raster.
     pub fn place_window(&self, place: GeoPoint, reach_m: f64, step_m: f64) -> Option<PlaceLattice> {
         PlaceLattice::around(&self.grid, place, reach_m, step_m)
+    }
+
+    /// The part of a lattice within bounds; None where none of its places lies there.
+    ///
+    /// * `bounds`: west, south, east, north, degrees; west of east beyond the antimeridian.
+    pub fn places_within(&self, lattice: PlaceLattice, bounds: [f64; 4]) -> Option<PlaceWindow> {
+        PlaceWindow::within(lattice, &self.grid, bounds)
     }
 
     /// A place of a lattice by its column and row.

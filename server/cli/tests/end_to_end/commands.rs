@@ -3,7 +3,11 @@
 use super::{Ground, PLACE, number, server};
 use crate::common::{self, command, skyglow, text};
 use serde_json::Value;
-use std::{path::PathBuf, process::Stdio, time::Duration};
+use std::{
+    path::{Path, PathBuf},
+    process::Stdio,
+    time::Duration,
+};
 
 #[test]
 fn the_command_line_gives_the_numbers_of_the_api() {
@@ -315,6 +319,81 @@ fn a_killed_atlas_resumes_to_the_same_numbers() {
     assert!(refused.stderr.contains(".pmtiles"), "{}", refused.stderr);
     let nowhere = atlas(&["-o", "/no/such/folder/map.tif"]).expect_status(1);
     assert!(nowhere.stderr.contains("/no/such/folder"), "{}", nowhere.stderr);
+}
+
+/// A part of a map by its bounds has the numbers of the whole map there, bit for bit, and lies where they lie.
+#[test]
+fn a_part_of_a_map_is_cut_out_of_the_whole() {
+    let _server = server();
+    let ground = Ground::get();
+    let (data, packs) = (ground.data(), ground.packs());
+    let program = ["--scene", "demo", "--data", text(&data), "--packs", text(&packs), "--device", "cpu"];
+    let map = |layer: &str, name: &str, more: &[&str]| {
+        let path = ground.folder.join(format!("{layer}-{name}"));
+        let asked = ["atlas", "--layer", layer, "--places", "300000", "-o", text(&path)];
+        skyglow(&[&asked[..], &program[..], more].concat()).expect_status(0);
+        raster(&path)
+    };
+    for layer in ["brightness", "elevation"] {
+        let whole = map(layer, "whole-of-parts.tif", &[]);
+        let part = map(layer, "part.tif", &["--bounds=8.5,46.1,9.1,46.5"]);
+        let [left, top] = [0, 1].map(|axis| {
+            let apart = (part.first[axis] - whole.first[axis]) / whole.pixel[axis];
+            assert!((apart - apart.round()).abs() < 1e-6, "{layer}: {apart} pixels");
+            apart.round() as usize
+        });
+        assert_eq!(part.pixel, whole.pixel);
+        assert!(part.width > 20 && part.height > 20 && part.width < whole.width / 2);
+        // Pixels whose middles lie within the bounds.
+        let ends = [0, 1].map(|axis| {
+            let size = [part.width, part.height][axis] as f64;
+            [0.5, size - 0.5].map(|at| part.first[axis] + at * part.pixel[axis])
+        });
+        assert!(ends[0][0] >= 8.5 && ends[0][1] <= 9.1 && ends[1][0] <= 46.5 && ends[1][1] >= 46.1);
+        for row in 0..part.height {
+            let of_whole = &whole.values[(top + row) * whole.width + left..][..part.width];
+            let of_part = &part.values[row * part.width..][..part.width];
+            let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(of_part), bits(of_whole), "{layer}: row {row}");
+        }
+    }
+    for (bounds, words) in
+        [("0,0,1,1", "within --bounds"), ("9,46,8", "four numbers"), ("8,47,9,46", "four numbers")]
+    {
+        let asked = ["atlas", "-o", "part.tif", "--bounds", bounds];
+        let refused = skyglow(&[&asked[..], &program[..]].concat()).expect_status(2);
+        assert!(refused.stderr.contains(words), "{bounds}: {}", refused.stderr);
+    }
+}
+
+/// A GeoTIFF of one band in degrees.
+struct Raster {
+    width: usize,
+    height: usize,
+    /// Longitude and latitude of the north-western corner.
+    first: [f64; 2],
+    /// From one pixel to the next.
+    pixel: [f64; 2],
+    values: Vec<f32>,
+}
+
+fn raster(path: &Path) -> Raster {
+    use tiff::{
+        decoder::{Decoder, DecodingResult},
+        tags::Tag,
+    };
+    let mut file = Decoder::new(std::fs::File::open(path).unwrap()).unwrap();
+    let (width, height) = file.dimensions().unwrap();
+    let scale = file.get_tag_f64_vec(Tag::ModelPixelScaleTag).unwrap();
+    let tie = file.get_tag_f64_vec(Tag::ModelTiepointTag).unwrap();
+    let DecodingResult::F32(values) = file.read_image().unwrap() else { panic!("not of floats") };
+    Raster {
+        width: width as usize,
+        height: height as usize,
+        first: [tie[3], tie[4]],
+        pixel: [scale[0], -scale[1]],
+        values,
+    }
 }
 
 /// The worked examples of `deploy/examples`, as their README has them run: with a shell and curl, and with Python, requests and

@@ -16,7 +16,7 @@ mod light_cells;
 mod stencil;
 mod window;
 
-use crate::dual_tree::{PatchStore, PlaceLattice};
+use crate::dual_tree::{PatchStore, PlaceLattice, PlaceWindow};
 use crate::grid::{GeographicAxes, Grid};
 use crate::light_tree::LightTree;
 use crate::place_kernel::PlaceKernel;
@@ -92,7 +92,8 @@ impl<'a> Convolution<'a> {
         })
     }
 
-    /// The sums at all places, row by row from the north; NaN where the altitude is. None where `store` cancelled.
+    /// The sums at all places, row by row from the north; NaN where the altitude is, and in strips that nobody wants. None where
+    /// `store` cancelled.
     pub(crate) fn sum(&self, store: &dyn PatchStore) -> Option<Vec<f32>> {
         let columns = self.lattice.columns as usize;
         let (rows, strip_rows) =
@@ -102,6 +103,14 @@ impl<'a> Convolution<'a> {
         for (number, first) in (0u64..).zip((0..rows).step_by(strip_rows)) {
             let strip = TargetRange { columns: 0..columns, rows: first..(first + strip_rows).min(rows) };
             let count = strip.rows.len() * columns;
+            let window = PlaceWindow {
+                columns: 0..self.lattice.columns,
+                rows: strip.rows.start as u32..strip.rows.end as u32,
+            };
+            if !store.wants(&window) {
+                all.resize(all.len() + count, f32::NAN);
+                continue;
+            }
             let known = store.load(number, count).filter(|sums| sums.len() == count);
             if let Some(known) = known {
                 all.extend(known);

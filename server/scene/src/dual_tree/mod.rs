@@ -21,6 +21,7 @@ mod patch;
 mod patch_store;
 mod place_lattice;
 mod place_values;
+mod place_window;
 mod sources;
 
 pub(crate) use accumulator::Accumulator;
@@ -30,6 +31,7 @@ pub(crate) use patch_store::Stage;
 pub use place_lattice::PlaceLattice;
 pub(crate) use place_lattice::ground_altitudes_m;
 pub use place_values::PlaceValues;
+pub use place_window::PlaceWindow;
 pub(crate) use sources::{Sources, SumOf};
 
 use accumulator::LEAF_SIDE_PLACES;
@@ -41,7 +43,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Longest side of a root patch, metres. The work is divided by root patches.
 const MAX_ROOT_SIDE_M: f64 = 64_000.0;
 
-/// The sums at all places, row by row from the north; NaN where the altitude is. None where `store` cancelled.
+/// The sums at all places, row by row from the north; NaN where the altitude is, and in root patches that nobody wants. None where
+/// `store` cancelled.
 pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Option<Vec<f32>> {
     let lattice = accumulator.lattice;
     let candidates = accumulator.sources.roots();
@@ -60,6 +63,9 @@ pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Opti
             return None;
         }
         let (number, count) = (number as u64, patch.len());
+        if !store.wants(&patch.window()) {
+            return Some(vec![f32::NAN; count]);
+        }
         let known = store.load(number, count).filter(|sums| sums.len() == count);
         let is_known = known.is_some();
         let sums = known.unwrap_or_else(|| accumulator.sum_patch(*patch, &candidates));

@@ -2,6 +2,7 @@
 
 use super::chebyshev::{Interval, NODE_COUNT};
 use super::place_lattice::PlaceLattice;
+use super::place_window::PlaceWindow;
 use crate::grid::Grid;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
@@ -23,6 +24,11 @@ impl Patch {
             columns: Interval { first: 0, last: lattice.columns - 1 },
             rows: Interval { first: 0, last: lattice.rows - 1 },
         }
+    }
+
+    pub(super) fn window(&self) -> PlaceWindow {
+        let of = |interval: Interval| interval.first..interval.last + 1;
+        PlaceWindow { columns: of(self.columns), rows: of(self.rows) }
     }
 
     pub(super) fn len(&self) -> usize {

@@ -1,5 +1,7 @@
 //! What becomes of the sums of patches while they are computed: progress, checkpoints, cancellation.
 
+use super::place_window::PlaceWindow;
+
 /// Is given the sums of every patch that is done, and may know some from an earlier run. Called from any thread.
 pub trait PatchStore: Sync {
     /// The sums of a patch by its number, `count` of them, if they are stored.
@@ -7,6 +9,11 @@ pub trait PatchStore: Sync {
 
     /// Takes the sums of a patch that is done, and with it this fraction of all places; false cancels the computation.
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool;
+
+    /// Whether any of these places is wanted; the sums of others need not be found, and are NaN.
+    fn wants(&self, _: &PlaceWindow) -> bool {
+        true
+    }
 }
 
 /// Given the progress alone; nothing is stored.
@@ -37,5 +44,9 @@ impl PatchStore for Stage<'_> {
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
         let [begin, end] = self.progress;
         self.store.store(self.first_number + patch, sums, begin + progress * (end - begin))
+    }
+
+    fn wants(&self, places: &PlaceWindow) -> bool {
+        self.store.wants(places)
     }
 }

@@ -1,5 +1,6 @@
 //! A lattice of places: points spread evenly over a raster.
 
+use super::place_window::PlaceWindow;
 use crate::grid::Grid;
 use crate::terrain::Terrain;
 use glam::DVec3;
@@ -62,6 +63,18 @@ impl PlaceLattice {
         }
         let (columns, rows) = (count(width, step), count(height, step));
         Some(Self { step, columns, rows, steps: [step.min(width), step.min(height)], first: [left, top] })
+    }
+
+    /// The lattice of the places of a window.
+    pub(super) fn part(&self, window: &PlaceWindow) -> Self {
+        let [left, top] = self.first;
+        let [across, down] = self.steps;
+        Self {
+            columns: window.columns.end - window.columns.start,
+            rows: window.rows.end - window.rows.start,
+            first: [left + window.columns.start * across, top + window.rows.start * down],
+            ..*self
+        }
     }
 
     /// How many places there are.

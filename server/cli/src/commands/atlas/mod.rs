@@ -24,7 +24,7 @@ use skyglow_app::{
 };
 use skyglow_display::tile::RADIANCE_RANGE_NW_CM2_SR;
 use skyglow_observatory::BrightnessRequest;
-use skyglow_scene::{PatchStore, RasterMetadata, SceneId, TileLayer};
+use skyglow_scene::{PatchStore, PlaceValues, PlaceWindow, RasterMetadata, Scene, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -35,7 +35,7 @@ use std::{
 /// A map of brightness that was interrupted goes on where it was: what is found so far is kept in FILE.part.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  skyglow atlas --scene demo -o brightness.tif\n  skyglow atlas --scene demo --turbidity 3.5 -o brightness.pmtiles"
+    after_help = "Examples:\n  skyglow atlas --scene demo -o brightness.tif\n  skyglow atlas --scene demo --turbidity 3.5 -o brightness.pmtiles\n  skyglow atlas --scene demo --bounds 8.5,46,9,46.5 -o ticino.tif"
 )]
 pub(crate) struct Atlas {
     /// The scene's id
@@ -51,6 +51,10 @@ pub(crate) struct Atlas {
     #[arg(long, env = "SKYGLOW_PLACES", value_name = "N", default_value_t = 16_000_000,
           value_parser = clap::value_parser!(u32).range(1..=400_000_000))]
     places: u32,
+    /// West, south, east and north of the part to make, degrees, of a .tif; the same numbers as in the map of the whole scene [default:
+    /// all of the scene]
+    #[arg(long, env = "SKYGLOW_BOUNDS", value_name = "W,S,E,N", value_parser = bounds, allow_hyphen_values = true)]
+    bounds: Option<Bounds>,
     /// Deepest zoom level of PMTiles [default: that at which a tile's pixel is no larger than the scene's]
     #[arg(long, env = "SKYGLOW_MAX_ZOOM", value_name = "Z", value_parser = clap::value_parser!(u8).range(0..=14))]
     max_zoom: Option<u8>,
@@ -71,6 +75,25 @@ struct Output {
 enum Format {
     GeoTiff,
     PmTiles,
+}
+
+/// West, south, east, north, degrees.
+type Bounds = [f64; 4];
+
+fn bounds(text: &str) -> Result<Bounds, String> {
+    let numbers = text.split(',').map(|part| part.trim().parse::<f64>()).collect::<Result<Vec<_>, _>>();
+    match numbers.as_deref() {
+        Ok(&[west, south, east, north])
+            if (-180.0..=360.0).contains(&west)
+                && (-180.0..=360.0).contains(&east)
+                && (-90.0..north).contains(&south)
+                && north <= 90.0
+                && west != east =>
+        {
+            Ok([west, south, east, north])
+        }
+        _ => Err("four numbers with commas between them: west, south, east, north in degrees".to_owned()),
+    }
 }
 
 fn output(text: &str) -> Result<Output, String> {
@@ -122,6 +145,9 @@ impl Atlas {
 
     /// Refuses parameters that mean nothing for the layer: silence would hide a slip.
     fn check_parameters(&self) -> Result<(), Failure> {
+        if self.bounds.is_some() && self.output.format == Format::PmTiles {
+            return Err(Failure::Usage("--bounds means nothing for .pmtiles".to_owned()));
+        }
         let allowed: &[&str] = match self.layer {
             MapLayer::Brightness => return Ok(()),
             MapLayer::Radiance => &["scenario"],
@@ -147,7 +173,8 @@ impl Atlas {
         let view = source.view(&request.scene, request.scenario.as_ref()).map_err(failure)?;
         // A key knows the program too: another one's numbers are not gone on with.
         let key = brightness_key(&request, view.version(), source.facts()).map_err(failure)?;
-        let store = PartStore { file: PartFile::open(part, &key)?, stages };
+        let window = self.window(view.scene())?;
+        let store = PartStore { file: PartFile::open(part, &key)?, stages, window: window.clone() };
         stages.begin("brightness of places", 1000);
         let map = source
             .brightness(&request, &view, &store)
@@ -158,12 +185,22 @@ impl Atlas {
         }
         Ok(Found {
             scene: Arc::clone(view.scene()),
-            places: map.places().clone(),
+            places: part_within(map.places(), window.as_ref())?,
             unit: map.unit(),
             description: brightness_shows(map.measure, &map.response),
             colour_range: map.colour_range(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
         })
+    }
+
+    /// The places within the bounds that are asked for; None for all.
+    fn window(&self, scene: &Scene) -> Result<Option<PlaceWindow>, Failure> {
+        let Some(bounds) = self.bounds else { return Ok(None) };
+        let window = scene.places_within(scene.place_lattice(self.places as usize), bounds);
+        match window {
+            Some(window) => Ok(Some(window)),
+            None => Err(Failure::Usage("no place of the scene lies within --bounds".to_owned())),
+        }
     }
 
     fn of_scene(&self, layer: TileLayer) -> Result<Found, Failure> {
@@ -175,6 +212,7 @@ impl Atlas {
         let places = scene.layer_at_places(layer, scene.place_lattice(self.places as usize));
         let places =
             places.ok_or_else(|| Failure::Work("a layer of another size than its places".to_owned()))?;
+        let places = part_within(&places, self.window(&scene)?.as_ref())?;
         let (unit, description) = match layer {
             TileLayer::Radiance => ("nW cm-2 sr-1", "upward radiance"),
             TileLayer::Elevation => ("m", "terrain elevation"),
@@ -201,6 +239,12 @@ impl Atlas {
     }
 }
 
+/// The part of a map that is wanted.
+fn part_within(places: &PlaceValues, window: Option<&PlaceWindow>) -> Result<PlaceValues, Failure> {
+    let part = window.map_or_else(|| Some(places.clone()), |window| places.part(window));
+    part.ok_or_else(|| Failure::Work("a window beyond its map".to_owned()))
+}
+
 /// Where the results so far are stored.
 fn part_of(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
@@ -211,6 +255,7 @@ fn part_of(output: &Path) -> PathBuf {
 struct PartStore<'a> {
     file: PartFile,
     stages: &'a Stages,
+    window: Option<PlaceWindow>,
 }
 
 impl PartStore<'_> {
@@ -228,5 +273,9 @@ impl PatchStore for PartStore<'_> {
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
         self.stages.set((1000.0 * progress) as u64);
         self.file.store(patch, sums)
+    }
+
+    fn wants(&self, places: &PlaceWindow) -> bool {
+        self.window.as_ref().is_none_or(|window| window.overlaps(places))
     }
 }
