@@ -76,7 +76,7 @@ pub fn lit_ground(
         let light = line.seen.iter().map(|ground| {
             let through = eye.through(ground.altitude_m, ground.distance_m);
             let of_lamps = patches.at(scene, || eye.place(line.azimuth_rad, ground.distance_m));
-            let sent = light.from_ground(ground);
+            let sent = light.sent_by(ground);
             std::array::from_fn(|i| {
                 let sent = sent[i] + of_lamps[i];
                 (sent * through[i] + beyond[i] * (1.0 - through[i])) as f32
@@ -170,7 +170,7 @@ impl SkyLight {
     }
 
     /// Luminance of ground that the sky lights, and the ground before it.
-    fn from_ground(&self, ground: &SeenGround) -> SeenLight {
+    fn sent_by(&self, ground: &SeenGround) -> SeenLight {
         let normal = ground.slope.normal();
         let from_sky = self.illuminance(normal);
         // A slope sees as much of level ground as it misses of the sky.

@@ -68,10 +68,10 @@ mod tests {
             assert!((-through.ln() / depth - 1.0).abs() < 0.1, "{through} {depth}");
         }
         let level = air.transmittance([0.0, 0.0], 1_000.0);
-        for band in 0..BAND_COUNT {
-            let per_m =
-                atmosphere.molecule_extinction_per_m()[band] + atmosphere.aerosol_extinction_per_m()[band];
-            assert!((-level[band].ln() / (1_000.0 * per_m) - 1.0).abs() < 1e-4);
+        let per_m =
+            atmosphere.molecule_extinction_per_m().into_iter().zip(atmosphere.aerosol_extinction_per_m());
+        for (level, (molecules, aerosol)) in level.into_iter().zip(per_m) {
+            assert!((-level.ln() / (1_000.0 * (molecules + aerosol)) - 1.0).abs() < 1e-4);
         }
         // Blue light is lost first, and high air is clearer.
         let seen = air.transmittance_of_seen([0.0, 0.0], 20_000.0);

@@ -27,9 +27,13 @@ pub struct Slope {
 impl Slope {
     /// Of ground that rises by so many metres for each metre to the east and to the north.
     pub fn of_gradient(to_east: f64, to_north: f64) -> Self {
-        let steepness_rad = to_east.hypot(to_north).atan();
-        let downhill_azimuth_rad = if steepness_rad > 0.0 { (-to_east).atan2(-to_north) } else { 0.0 };
-        Self { steepness_rad, downhill_azimuth_rad: downhill_azimuth_rad.rem_euclid(2.0 * PI) }
+        let rise = to_east.hypot(to_north);
+        // Differences of equal heights are rounding.
+        if rise < 1e-9 {
+            return Self::default();
+        }
+        let downhill_azimuth_rad = (-to_east).atan2(-to_north).rem_euclid(2.0 * PI);
+        Self { steepness_rad: rise.atan(), downhill_azimuth_rad }
     }
 
     /// Unit normal (east, north, up).

@@ -109,7 +109,7 @@ proptest! {
         azimuth_deg in 0.0..360.0f64,
         width_deg in 3.0..60.0f64,
         steepness_rad in 0.0..1.4f64,
-        downhill_azimuth_rad in 0.0..6.28f64,
+        downhill_azimuth_rad in 0.0..6.2f64,
     ) {
         let plane = town(azimuth_deg, width_deg);
         let slope = Slope { steepness_rad, downhill_azimuth_rad };

@@ -382,8 +382,11 @@ mod tests {
             (2, 1_785_000_600.0, 150.0)
         );
         let coords = ("coords".to_owned(), ValidationCode::NotAllowed);
-        assert_eq!(mistakes(of("coords=LINESTRING M(8 46 1785000600,9 46 1785000000)")), [coords.clone()]);
-        assert_eq!(mistakes(of("coords=LINESTRING(8 46)")), [coords.clone()]);
+        assert_eq!(
+            mistakes(of("coords=LINESTRING M(8 46 1785000600,9 46 1785000000)")),
+            std::slice::from_ref(&coords)
+        );
+        assert_eq!(mistakes(of("coords=LINESTRING(8 46)")), std::slice::from_ref(&coords));
         let long = format!("coords=LINESTRING({}8 46)", "8 46,".repeat(MAX_TRAJECTORY_POINTS));
         assert_eq!(mistakes(of(&long)), [coords]);
         let both = "coords=LINESTRING M(8 46 1785000000,9 46 1785000600)&datetime=2026-07-25T00:00:00Z";

@@ -61,7 +61,7 @@ pub(super) struct Measured {
 /// [`WktError`].
 pub(super) fn point(text: &str) -> Result<[f64; 2], WktError> {
     let (mut rest, _) = tagged(text, &["POINT"], "POINT")?;
-    let numbers = list(&mut rest, |rest| numbers(rest))?;
+    let numbers = list(&mut rest, numbers)?;
     end(rest)?;
     let [numbers] = <[Numbers; 1]>::try_from(numbers).map_err(|_| WktError::Malformed("a point is one"))?;
     plane(&numbers)
@@ -73,7 +73,7 @@ pub(super) fn point(text: &str) -> Result<[f64; 2], WktError> {
 /// [`WktError`].
 pub(super) fn line(text: &str) -> Result<Vec<Measured>, WktError> {
     let (mut rest, is_measured) = tagged(text, &["LINESTRING"], "LINESTRING")?;
-    let all = list(&mut rest, |rest| numbers(rest))?;
+    let all = list(&mut rest, numbers)?;
     end(rest)?;
     all.iter()
         .map(|numbers| match numbers.as_slice() {
@@ -100,7 +100,7 @@ pub(super) fn polygons(text: &str) -> Result<Polygons, WktError> {
         return Err(WktError::OtherDimension { found: 3, wanted: "longitude and latitude" });
     }
     let ring = |rest: &mut &str| {
-        list(rest, |rest| numbers(rest))?.iter().map(|numbers| plane(numbers)).collect::<Result<Vec<_>, _>>()
+        list(rest, numbers)?.iter().map(|numbers| plane(numbers)).collect::<Result<Vec<_>, _>>()
     };
     let polygon = |rest: &mut &str| list(rest, ring);
     let polygons = if is_many { list(&mut rest, polygon)? } else { vec![polygon(&mut rest)?] };

@@ -4,17 +4,17 @@ use crate::arguments::{Outcome, place, turbidity};
 use skyglow_celestial::Instant;
 use skyglow_observatory::{NightSky, SkyTime, night_sky::Overhead};
 use skyglow_physics::{
-    AZIMUTH_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Response, SKY_RESPONSES, SkyPart, Turbidity,
-    photometry::brightness_mag_arcsec2,
+    AZIMUTH_COUNT, BAND_COUNT, ELEVATION_COUNT, GeoPoint, Horizon, Response, SKY_RESPONSES, SkyPart,
+    Turbidity, photometry::brightness_mag_arcsec2,
 };
 use skyglow_render::celestial::CelestialTables;
 use skyglow_tables::CelestialTable;
-use std::path::PathBuf;
+use std::{array::from_fn, path::PathBuf};
 
 /// Runs that the fastest is taken of.
 const RUNS: usize = 12;
 
-/// Times the natural sky of a time over a place, first and again, by tables of a folder or made-up ones; prints its components and the
+/// Times the natural sky of a time over a place, first and again, by tables of a folder or made-up ones; prints its components, their light at the nodes and the
 /// medians of six bands of altitude in V.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -68,7 +68,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let again_ms = times_ms.iter().skip(1).copied().fold(f64::INFINITY, f64::min);
     println!("first {:.1} ms, again {again_ms:.2} ms (the fastest of {})", times_ms[0], RUNS - 1);
     let magnitude = |luminance: f64| brightness_mag_arcsec2(luminance).unwrap_or(f64::INFINITY);
-    for part in sky.components() {
+    for (part, light) in sky.components().iter().zip(sky.parts()) {
+        let nodes: [f64; BAND_COUNT] =
+            from_fn(|band| light.kernel.radiance_w_m2_sr(band, ELEVATION_COUNT - 1, 0));
+        println!("{:<16} nodes at the zenith {nodes:.3?}", part.component.name());
         let (zenith, mean) = (part.zenith_luminance_cd_m2, part.mean_luminance_cd_m2);
         println!(
             "{:<16} zenith {zenith:.3e} cd m-2 ({:.2}), mean {mean:.3e} ({:.2}), direct {:.3e} lx",
