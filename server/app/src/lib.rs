@@ -28,6 +28,7 @@ pub mod sandbox;
 pub mod shares_file;
 pub mod sky_lines;
 pub mod source;
+pub mod standard_parameters;
 pub mod stored;
 pub mod upload_reader;
 pub mod validation;

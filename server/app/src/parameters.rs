@@ -449,8 +449,8 @@ negotiated_sets! {
     NegotiatedPlanParameters = PlanListParameters;
 }
 
-mod standards;
-pub use standards::*;
+pub(crate) use {parameter_sets, parameters};
+
 #[cfg(test)]
 #[path = "parameters_tests.rs"]
 mod tests;

@@ -7,7 +7,7 @@ use crate::{
     solar_spectrum::solar_irradiance,
     zodiacal_light,
 };
-use skyglow_physics::spectrum::{FIRST_NM, Light, NODE_COUNT, STEP_NM, Spectrum, nodes_nm};
+use skyglow_physics::spectrum::{FIRST_NM, KernelShape, Light, NODE_COUNT, STEP_NM, Spectrum, nodes_nm};
 use std::sync::{Arc, LazyLock};
 
 /// V magnitude of the Sun at 1 au.
@@ -53,7 +53,7 @@ fn starlight_s10() -> Spectrum {
 
 static LIGHTS: LazyLock<[Arc<Light>; Component::ALL.len()]> = LazyLock::new(|| {
     Component::ALL.map(|component| {
-        Arc::new(Light::new(match component {
+        let light = Light::new(match component {
             Component::Sun => with_magnitude_v(&solar_irradiance(), SUN_MAGNITUDE_V),
             Component::Moon => moonlight(),
             Component::Planets => with_magnitude_v(&solar_irradiance(), 0.0),
@@ -63,7 +63,12 @@ static LIGHTS: LazyLock<[Arc<Light>; Component::ALL.len()]> = LazyLock::new(|| {
                 zodiacal_light::reddening(nm, zodiacal_light::MEAN_ELONGATION_DEG)
             })),
             Component::Airglow => airglow::spectrum_s10(),
-        }))
+        });
+        let shape = match component {
+            Component::Sun => KernelShape::ThroughOzone,
+            _ => KernelShape::Polynomial,
+        };
+        Arc::new(light.behind(shape))
     })
 });
 

@@ -13,10 +13,10 @@ mod rule;
 pub use colour::Colour;
 pub use lamps::LampPreset;
 pub use light::Light;
-pub use nodes::{NODE_COUNT, lagrange, nodes_nm};
+pub use nodes::{NODE_COUNT, lagrange, nodes_nm, through_ozone};
 pub use response::{RGB_BANDS, Response};
 pub(crate) use rule::FLOOR as KERNEL_FLOOR;
-pub use rule::SpectralRule;
+pub use rule::{KernelShape, SpectralRule};
 
 use crate::error::PhysicsError;
 

@@ -8,9 +8,10 @@ use super::{
 use crate::{
     error::AppError,
     facts::SourceFacts,
-    parameters::{self as p, Parameter, ParameterSet},
+    parameters::{Parameter, ParameterSet, SOLAR_FLUX},
     quantities::{MAP_QUANTITIES, MapQuantity, Quantity, SKY_QUANTITIES},
     reader::Reader,
+    standard_parameters as p,
     validation::ValidationCode,
 };
 use skyglow_celestial::{Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
@@ -267,7 +268,7 @@ fn read_asked(reader: &mut Reader, facts: &SourceFacts, is_timed: bool) -> Optio
             reader.fail(&p::DATETIME, ValidationCode::Conflict, message, Some("one of the two".to_owned()));
         }
         has_celestial_tables(reader, &p::LINE_COORDS, facts, turbidity);
-        (None, reader.number(&p::SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU))
+        (None, reader.number(&SOLAR_FLUX).unwrap_or(DEFAULT_SOLAR_FLUX_SFU))
     } else {
         (read_time(reader, &p::DATETIME, facts, turbidity)?, DEFAULT_SOLAR_FLUX_SFU)
     };

@@ -24,10 +24,12 @@ use skyglow_app::{
         standards::{LonLatGrid, area_coverage, position_coverage, trajectory_coverage},
     },
     error::AppError,
-    parameters::{AREA_COORDS, AreaParameters, MapParameters, PositionParameters, TrajectoryParameters},
     quantities::MapQuantity,
     request::{AreaRequest, area, map, position, scene_id, trajectory},
     source::SkySource,
+    standard_parameters::{
+        AREA_COORDS, AreaParameters, MapParameters, PositionParameters, TrajectoryParameters,
+    },
     validation::ValidationCode,
 };
 use skyglow_display::{Notes, tile::brightness_map_png};

@@ -14,9 +14,9 @@ use serde_json::Value;
 use skyglow_app::{
     answers::standards::{self as documents, Base},
     error::AppError,
-    parameters::DocumentParameters,
     request::document_format,
     source::SkySource,
+    standard_parameters::DocumentParameters,
 };
 use skyglow_scene::SceneMetadata;
 

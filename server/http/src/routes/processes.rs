@@ -22,8 +22,8 @@ use axum::{
 use serde_json::{Value, json};
 use skyglow_app::{
     answers::standards::{process_description, process_list, status_info},
-    parameters::DocumentParameters,
     request::{Execution, ExecutionBody, Process, execution, no_parameters},
+    standard_parameters::DocumentParameters,
 };
 
 /// Longest output that is put into a document, bytes.

@@ -14,9 +14,9 @@ use crate::{
 use axum::{Extension, extract::Path};
 use skyglow_app::{
     answers::standards::{StacItem, stac_catalog, stac_collection, stac_item},
-    parameters::DocumentParameters,
     request::document_format,
     source::SkySource,
+    standard_parameters::DocumentParameters,
 };
 
 /// The STAC catalogue of the scenes.

@@ -11,7 +11,7 @@ mod air;
 mod field;
 mod grid;
 pub mod monte_carlo;
-mod ozone;
+pub(crate) mod ozone;
 mod path;
 mod refraction;
 mod sunlight;

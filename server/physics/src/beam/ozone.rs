@@ -87,9 +87,14 @@ fn relative_column_m() -> f64 {
         / 486.0
 }
 
+/// Absorption coefficient, per atm-cm.
+pub(crate) fn absorption_per_atm_cm(wavelength_nm: f64) -> f64 {
+    interpolated(&ABSORPTION, wavelength_nm)
+}
+
 /// Extinction where ozone is densest, m⁻¹ per Dobson unit over the place.
 pub(super) fn densest_extinction_per_m(wavelength_nm: f64) -> f64 {
-    interpolated(&ABSORPTION, wavelength_nm) * ATM_CM_PER_DOBSON / relative_column_m()
+    absorption_per_atm_cm(wavelength_nm) * ATM_CM_PER_DOBSON / relative_column_m()
 }
 
 #[cfg(test)]

@@ -1,19 +1,26 @@
 //! A spectrum with the rules of the responses that were asked of it.
 
-use super::{Response, SpectralRule, Spectrum};
+use super::{KernelShape, Response, SpectralRule, Spectrum};
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// A kind of light: its spectrum, and what responses make of it behind a sky, found once each.
 #[derive(Debug)]
 pub struct Light {
     spectrum: Spectrum,
+    shape: KernelShape,
     rules: RwLock<Vec<(Response, Arc<SpectralRule>)>>,
 }
 
 impl Light {
     /// Light of a spectrum, W nm⁻¹ per watt that the satellite sees.
     pub fn new(spectrum: Spectrum) -> Self {
-        Self { spectrum, rules: RwLock::default() }
+        Self { spectrum, shape: KernelShape::Polynomial, rules: RwLock::default() }
+    }
+
+    /// The same behind skies of another shape.
+    #[must_use]
+    pub fn behind(self, shape: KernelShape) -> Self {
+        Self { shape, ..self }
     }
 
     /// The spectrum, W nm⁻¹ per watt that the satellite sees.
@@ -29,7 +36,8 @@ impl Light {
         if let Some(rule) = known(&self.rules.read().unwrap_or_else(PoisonError::into_inner)) {
             return rule;
         }
-        let rule = SpectralRule::new(&self.spectrum, &response.curve()).scaled(response.value_per_w_m2_sr());
+        let rule = SpectralRule::of_shape(&self.spectrum, &response.curve(), self.shape);
+        let rule = rule.scaled(response.value_per_w_m2_sr());
         let mut rules = self.rules.write().unwrap_or_else(PoisonError::into_inner);
         if let Some(rule) = known(&rules) {
             return rule;

@@ -1,6 +1,5 @@
 //! A lattice of places: points spread evenly over a raster.
 
-use super::place_window::PlaceWindow;
 use crate::grid::Grid;
 use crate::terrain::Terrain;
 use glam::DVec3;
@@ -19,9 +18,9 @@ pub struct PlaceLattice {
     /// Places from north to south (along the raster's columns).
     pub rows: u32,
     /// Pixels from one place to the next along either axis.
-    steps: [u32; 2],
+    pub(super) steps: [u32; 2],
     /// Column and row of the first pixel of the first block.
-    first: [u32; 2],
+    pub(super) first: [u32; 2],
 }
 
 /// Places of a window at most: more pixels share one.
@@ -63,18 +62,6 @@ impl PlaceLattice {
         }
         let (columns, rows) = (count(width, step), count(height, step));
         Some(Self { step, columns, rows, steps: [step.min(width), step.min(height)], first: [left, top] })
-    }
-
-    /// The lattice of the places of a window.
-    pub(super) fn part(&self, window: &PlaceWindow) -> Self {
-        let [left, top] = self.first;
-        let [across, down] = self.steps;
-        Self {
-            columns: window.columns.end - window.columns.start,
-            rows: window.rows.end - window.rows.start,
-            first: [left + window.columns.start * across, top + window.rows.start * down],
-            ..*self
-        }
     }
 
     /// How many places there are.

@@ -15,6 +15,20 @@ pub struct PlaceWindow {
     pub rows: Range<u32>,
 }
 
+impl PlaceLattice {
+    /// The lattice of the places of a window.
+    pub(super) fn part(&self, window: &PlaceWindow) -> Self {
+        let [left, top] = self.first;
+        let [across, down] = self.steps;
+        Self {
+            columns: window.columns.end - window.columns.start,
+            rows: window.rows.end - window.rows.start,
+            first: [left + window.columns.start * across, top + window.rows.start * down],
+            ..*self
+        }
+    }
+}
+
 impl PlaceWindow {
     /// Whether two have places in common.
     pub fn overlaps(&self, other: &Self) -> bool {

@@ -1,6 +1,6 @@
 //! Landing page, conformance and collections of OGC API – Common (19-072, 20-024) and EDR (19-086r6): a collection is a scene.
 
-use super::{Base, CRS84, JSON, OGC_REL, PNG, description, link};
+use super::base::{Base, CRS84, JSON, OGC_REL, PNG, description, link};
 use crate::quantities::{MAP_QUANTITIES, SKY_QUANTITIES, Unit};
 use serde_json::{Map, Value, json};
 use skyglow_scene::SceneMetadata;

@@ -1,6 +1,10 @@
 //! Coverages as CoverageJSON 1.0 (OGC 21-069r2).
 
-use super::{CRS84, LonLatGrid, collection::unit, english, value_of};
+use super::{
+    base::{CRS84, english, value_of},
+    collection::unit,
+    grid::LonLatGrid,
+};
 use crate::{
     answers::Assumptions,
     quantities::{MapQuantity, Quantity},

@@ -36,7 +36,7 @@ impl LonLatGrid {
         step_pixels: u32,
         max_places: usize,
     ) -> Option<Self> {
-        let [west, south, east, north] = super::unwrapped(scene);
+        let [west, south, east, north] = super::base::unwrapped(scene);
         let [least, lowest, largest, highest] = extent_deg;
         let meets = |turn: &f64| least + turn <= east && largest + turn >= west;
         let turn = [0.0, 360.0, -360.0].into_iter().find(meets)?;
@@ -123,7 +123,7 @@ fn cells(first: f64, last: f64, end: f64) -> (usize, f64) {
 /// meridians from the north-west; None for other rasters.
 fn own_axes(scene: &SceneMetadata) -> Option<([f64; 2], [f64; 2])> {
     let [x, x_column, x_row, y, y_column, y_row] = scene.grid.geotransform;
-    let [west, south, east, north] = super::unwrapped(scene);
+    let [west, south, east, north] = super::base::unwrapped(scene);
     let is_close = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
     let is_straight = x_row == 0.0 && y_column == 0.0 && x_column > 0.0 && y_row < 0.0;
     let fits = is_close(f64::from(scene.grid.width) * x_column, east - west)

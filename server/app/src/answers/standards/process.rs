@@ -1,6 +1,6 @@
 //! Documents of OGC API – Processes (18-062r2).
 
-use super::{Base, JSON, OGC_REL, link, value_of};
+use super::base::{Base, JSON, OGC_REL, link, value_of};
 use crate::request::Process;
 use serde_json::{Map, Value, json};
 

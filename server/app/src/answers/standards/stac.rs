@@ -1,6 +1,6 @@
 //! The scenes as a SpatioTemporal Asset Catalog (STAC 1.1.0): a collection each, with an item for each layer that is a file.
 
-use super::{Base, GEO_JSON, JSON, PNG, description, link};
+use super::base::{Base, GEO_JSON, JSON, PNG, description, link};
 use serde_json::{Value, json};
 use skyglow_celestial::Instant;
 use skyglow_scene::{PlaceLattice, SceneMetadata};

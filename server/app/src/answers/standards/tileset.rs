@@ -1,6 +1,6 @@
 //! Tile sets of OGC API – Tiles (20-057) and the tile matrix set that they are in (17-083r4): all lead to the map tiles that there are.
 
-use super::{Base, CRS84, JSON, OGC_REL, PNG, description, link, unwrapped};
+use super::base::{Base, CRS84, JSON, OGC_REL, PNG, description, link, unwrapped};
 use serde_json::{Value, json};
 use skyglow_scene::{SceneMetadata, tile_column, tile_row, zoom_0_pixel_m};
 

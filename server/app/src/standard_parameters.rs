@@ -1,9 +1,9 @@
 //! The parameters of OGC APIs, under the names that the standards give them.
 
-use super::{
+use crate::parameters::{
     ALTITUDE, BASIS, CLOUDS, DIRECT_UPLIGHT, EMISSION, EMISSION_KEEP, GROUND_REFLECTANCE, HEIGHT, Kind, LAMP,
     MAP_MEASURE, Parameter, ParameterSet, RESPONSE, SCATTERING, SCENARIO, SOLAR_FLUX, TERRAIN, TOLERANCE,
-    TURBIDITY,
+    TURBIDITY, parameter_sets, parameters,
 };
 use utoipa::openapi::path::{Parameter as ApiParameter, ParameterIn};
 
