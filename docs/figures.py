@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [night|land]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil
 """
 
@@ -156,8 +156,27 @@ def night():
     ])
 
 
+def land():
+    """A town in the Rift Valley: today, with a tenth of its light, under snow, and in the light of the half Moon; one eye for all."""
+    see = lambda **params: picture(f"{API}/scenes/{SCENE}/panorama.png", legend="off", **params)
+    look = {"lat": -0.86, "lon": 36.42, "height": 60, "projection": "perspective", "azimuth": 20, "elevation": 9, "fov": 60,
+            "width": 900, "height_px": 450, "style": "eye", "adaptation": 0.0006, "ground": "lit"}
+    dark, moonlit = "2026-08-12T19:00:00Z", "2026-08-20T18:00:00Z"
+    dimmed = scenario({"brush": {"points": [[36.47, -0.72]], "radius_m": 25000}, "factor": 0.1})
+    side_by_side("land", [
+        [see(**look, time=dark), see(**look, time=dark, scenario=dimmed)],
+        [see(**{**look, "ground": "snow"}, time=dark), see(**look, time=moonlit)],
+    ])
+
+
 def main():
-    night()
+    alone = sys.argv[4:]
+    if not alone or "night" in alone:
+        night()
+    if not alone or "land" in alone:
+        land()
+    if alone:
+        return
     scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}
     region = "20,1;65,1;65,25;20,25"
     sheet("whose-light", [[
