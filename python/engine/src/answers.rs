@@ -64,19 +64,12 @@ impl Answers {
         let sizes = CacheSizes::of_machine();
         let source: Arc<dyn SkySource> =
             Arc::new(loaded.before(data, ChangeLimits::none(), &sizes, MAX_PLACES));
-        Ok(Self::of(source))
-    }
-
-    /// Answers of a program behind.
-    fn of(source: Arc<dyn SkySource>) -> Self {
-        #[expect(clippy::expect_used, reason = "only a process that cannot have threads has no runtime")]
         let runtime = Builder::new_multi_thread()
             .worker_threads(WATCHING_THREADS)
             .thread_name("skyglow-engine")
             .enable_time()
-            .build()
-            .expect("threads for an asynchronous runtime");
-        Self { source, runtime }
+            .build()?;
+        Ok(Self { source, runtime })
     }
 
     /// What renders.

@@ -15,6 +15,7 @@ pub mod format;
 pub mod horizon_file;
 pub mod influence_file;
 pub mod layer_file;
+pub mod negotiated_parameters;
 pub mod observatory;
 pub mod opening;
 pub mod parameters;

@@ -27,6 +27,9 @@ pub enum OpenError {
     /// A pack is refused, the packs do not fit, or there is no such device.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The system gives no threads.
+    #[error("no threads to wait for skies with: {0}")]
+    Threads(#[from] std::io::Error),
 }
 
 /// An engine with its packs.

@@ -65,7 +65,7 @@ impl Parameter {
 
     /// The same without a default of its own in the document, whose words say it instead: clients that were generated from the
     /// document send every default, and this one is refused beside some of the others.
-    fn with_default_in_words(&self) -> ApiParameter {
+    pub(crate) fn with_default_in_words(&self) -> ApiParameter {
         let mut parameter = Parameter { default: "", ..*self }.openapi();
         if !self.default.is_empty() {
             let words = parameter.description.unwrap_or_default();
@@ -412,41 +412,6 @@ parameter_sets! {
         SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
-}
-
-/// Those of influences where not every layer of tiles takes them, or needs a place.
-#[derive(Clone, Copy, Debug)]
-pub struct OptionalInfluenceParameters;
-
-impl utoipa::IntoParams for OptionalInfluenceParameters {
-    fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
-        let optional =
-            |parameter: &Parameter| Parameter { required: false, ..*parameter }.with_default_in_words();
-        InfluenceRasterParameters::ALL.iter().map(optional).collect()
-    }
-}
-
-macro_rules! negotiated_sets {
-    ($($(#[$doc:meta])* $name:ident = $set:ident;)*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug)]
-        pub struct $name;
-
-        impl utoipa::IntoParams for $name {
-            fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
-                $set::ALL.iter().map(Parameter::with_default_in_words).collect()
-            }
-        }
-    )*};
-}
-
-negotiated_sets! {
-    /// Those of a panorama in the format that is accepted, which may not take all of them.
-    NegotiatedPanoramaParameters = PanoramaParameters;
-    /// Those of influences in the format that is accepted.
-    NegotiatedInfluenceParameters = InfluenceParameters;
-    /// Those of a plan in the format that is accepted.
-    NegotiatedPlanParameters = PlanListParameters;
 }
 
 pub(crate) use {parameter_sets, parameters};

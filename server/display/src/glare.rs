@@ -3,8 +3,14 @@
 
 use crate::{bodies::Disc, eye::Seen, sampler::Taps};
 use rayon::prelude::*;
-use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon,
+    panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
+};
+use std::{
+    f64::consts::{FRAC_PI_2, PI, TAU},
+    sync::LazyLock,
+};
 
 /// Of the observer.
 const AGE_YEARS: f64 = 30.0;
@@ -94,8 +100,7 @@ impl Glare {
         let mut flux = vec![[0.0; 4]; UP * ACROSS];
         let mut sum = 0.0;
         for row in 0..ELEVATION_COUNT {
-            let edge = |row: usize| (row as f64 / ELEVATION_COUNT as f64 * FRAC_PI_2).sin();
-            let solid_angle_sr = TAU / AZIMUTH_COUNT as f64 * (edge(row + 1) - edge(row));
+            let solid_angle_sr = solid_angle_sr(row);
             for column in 0..AZIMUTH_COUNT {
                 let cell = &mut flux[row / CELL_SAMPLES * ACROSS + column / CELL_SAMPLES];
                 for (cell, plane) in cell.iter_mut().zip(planes) {
@@ -107,13 +112,12 @@ impl Glare {
         let cells = veil_of_cells(&flux);
         let of_sample = |at: usize| {
             let (row, column) = (at / AZIMUTH_COUNT, at % AZIMUTH_COUNT);
-            let direction = Direction {
-                azimuth_rad: column as f64 * TAU / AZIMUTH_COUNT as f64,
-                elevation_rad: (row as f64 + 0.5) * FRAC_PI_2 / ELEVATION_COUNT as f64,
-            };
-            let far: Vec<Seen> = halos.iter().map(|halo| halo.far(direction)).collect();
-            let sky = between(&cells, row, column);
-            std::array::from_fn(|i| (sky[i] + far.iter().map(|veil| veil[i]).sum::<f64>()) as f32)
+            let direction = Direction { azimuth_rad: azimuth_rad(column), elevation_rad: elevation_rad(row) };
+            let mut veil = between(&cells, row, column);
+            for far in halos.iter().map(|halo| halo.far(direction)) {
+                veil.iter_mut().zip(far).for_each(|(veil, far)| *veil += far);
+            }
+            veil.map(|veil| veil as f32)
         };
         let veil = (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(of_sample).collect();
         Self { mean_cd_m2: sum / TAU, veil }
@@ -127,28 +131,34 @@ impl Glare {
     }
 }
 
-/// The veil over the middle of every cell.
-fn veil_of_cells(flux: &[Seen]) -> Vec<Seen> {
+/// Veil over the middle of a cell by illuminance from another: `[row to][row from][columns between]`. It is the same for every sky.
+static KERNELS: LazyLock<Vec<[[f64; ACROSS]; UP]>> = LazyLock::new(|| {
     let middle = |row: usize, column: usize| Direction {
         azimuth_rad: column as f64 * TAU / ACROSS as f64,
         elevation_rad: (row as f64 + 0.5) * FRAC_PI_2 / UP as f64,
     };
-    let row_of = |to: usize| {
+    let kernel = |to: usize, from: usize, turn: usize| {
+        veil_facing(between_deg(middle(to, 0), middle(from, turn)).max(NEAREST_CELL_DEG))
+    };
+    let rows = |to: usize| std::array::from_fn(|from| std::array::from_fn(|turn| kernel(to, from, turn)));
+    (0..UP).map(rows).collect()
+});
+
+/// The veil over the middle of every cell.
+fn veil_of_cells(flux: &[Seen]) -> Vec<Seen> {
+    let row_of = |kernels: &[[f64; ACROSS]; UP]| {
         let mut veil = vec![[0.0; 4]; ACROSS];
-        for from in 0..UP {
-            let kernel: [f64; ACROSS] = std::array::from_fn(|turn| {
-                veil_facing(between_deg(middle(to, 0), middle(from, turn)).max(NEAREST_CELL_DEG))
-            });
+        for (sources, kernel) in flux.chunks_exact(ACROSS).zip(kernels) {
             for (column, veil) in veil.iter_mut().enumerate() {
                 for (turn, part) in kernel.iter().enumerate() {
-                    let source = &flux[from * ACROSS + (column + turn) % ACROSS];
+                    let source = &sources[(column + turn) % ACROSS];
                     veil.iter_mut().zip(source).for_each(|(veil, source)| *veil += part * source);
                 }
             }
         }
         veil
     };
-    (0..UP).into_par_iter().flat_map_iter(row_of).collect()
+    KERNELS.par_iter().flat_map_iter(row_of).collect()
 }
 
 /// Between the middles of the cells, by bilinear interpolation; the highest and the lowest hold beyond.

@@ -8,6 +8,7 @@ use crate::{
     realistic::EXPOSURE_RANGE_EV,
 };
 use serde::{Deserialize, Serialize};
+use skyglow_physics::multiple_scattering::DEFAULT_GROUND_ALBEDO;
 
 /// Smallest width or height of the sky in a picture, pixels.
 pub const MIN_SIDE_PX: u32 = 16;
@@ -147,7 +148,7 @@ impl GroundStyle {
     pub const fn albedo(self) -> Option<f64> {
         match self {
             GroundStyle::Dark => None,
-            GroundStyle::Lit => Some(0.15),
+            GroundStyle::Lit => Some(DEFAULT_GROUND_ALBEDO),
             GroundStyle::Snow => Some(0.75),
         }
     }

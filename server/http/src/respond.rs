@@ -10,7 +10,7 @@ use serde::Serialize;
 /// How long caches may store an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CachePolicy {
-    /// JsonRequest about each time; the ETag makes that cheap.
+    /// Asked about each time; the ETag makes that cheap.
     Revalidate,
     /// The same for what is for one client alone.
     Private,
@@ -105,16 +105,26 @@ pub fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>, ApiError> {
     serde_json::to_vec(value).map_err(ApiError::internal)
 }
 
+/// 200 with JSON that nobody keeps.
+///
+/// # Errors
+/// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
+pub fn uncached(value: &impl Serialize) -> Result<Response<Body>, ApiError> {
+    let mut response = Response::new(Body::from(json_bytes(value)?));
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    Ok(response)
+}
+
 /// 201 with JSON and the address of what was made.
 ///
 /// # Errors
 /// [`AppError::Internal`](skyglow_app::AppError::Internal) for what is no JSON.
 pub fn created(location: &str, value: &impl Serialize) -> Result<Response<Body>, ApiError> {
-    let mut response = Response::new(Body::from(json_bytes(value)?));
+    let mut response = uncached(value)?;
     *response.status_mut() = StatusCode::CREATED;
     let headers = response.headers_mut();
-    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
-    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert(header::LOCATION, HeaderValue::from_str(location).map_err(ApiError::internal)?);
     Ok(response)
 }

@@ -111,15 +111,12 @@ struct Eye {
 
 impl Eye {
     fn place(&self, azimuth_rad: f64, distance_m: f64) -> GeoPoint {
-        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
-        let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
-        let forward = self.frame.north * cos_azimuth + self.frame.east * sin_azimuth;
-        GeoPoint::from_vector(self.frame.up * cos_arc + forward * sin_arc)
+        GeoPoint::from_vector(self.frame.along(self.frame.forward(azimuth_rad), distance_m))
     }
 
     fn through(&self, altitude_m: f64, distance_m: f64) -> SeenLight {
         let path_m = distance_m.hypot(altitude_m - self.altitude_m);
-        self.air.transmittance_of_seen([self.altitude_m, altitude_m.max(0.0)], path_m)
+        self.air.transmittance([self.altitude_m, altitude_m.max(0.0)], path_m)
     }
 }
 

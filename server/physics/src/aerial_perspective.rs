@@ -6,6 +6,7 @@ use crate::{
     atmosphere::{AEROSOL_SCALE_HEIGHT_M, Atmosphere, MOLECULE_SCALE_HEIGHT_M},
     bands::BAND_COUNT,
     geometry::EARTH_RADIUS_M,
+    lit_ground::SeenLight,
 };
 
 /// Wavelengths at which the air counts for X, Y, Z and scotopic luminance, nm.
@@ -13,34 +14,23 @@ const RESPONSE_NM: [f64; BAND_COUNT] = [595.0, 557.0, 449.0, 507.0];
 
 /// Air between an eye and what it sees.
 #[derive(Clone, Copy, Debug)]
-pub struct AirBetween {
-    nodes: Atmosphere,
-    responses: Atmosphere,
-}
+pub struct AirBetween(Atmosphere);
 
 impl AirBetween {
     /// Of a turbidity at sea level.
     pub fn new(turbidity: Turbidity) -> Self {
-        Self { nodes: Atmosphere::new(turbidity), responses: Atmosphere::at(turbidity, RESPONSE_NM) }
+        Self(Atmosphere::at(turbidity, RESPONSE_NM))
     }
 
-    /// Share of the light that comes through at the nodes of the spectrum, over a straight path of `distance_m` between two altitudes
-    /// above sea level, metres.
-    pub fn transmittance(&self, altitudes_m: [f64; 2], distance_m: f64) -> [f64; BAND_COUNT] {
-        through(&self.nodes, altitudes_m, distance_m)
+    /// Share of X, Y, Z and scotopic luminance, each at one wavelength, that comes through over a straight path of `distance_m` between
+    /// two altitudes above sea level, metres.
+    pub fn transmittance(&self, altitudes_m: [f64; 2], distance_m: f64) -> SeenLight {
+        let [molecules_m, aerosol_m] = [MOLECULE_SCALE_HEIGHT_M, AEROSOL_SCALE_HEIGHT_M]
+            .map(|scale_m| distance_m * mean_density(altitudes_m, distance_m, scale_m));
+        let (of_molecules, of_aerosol) =
+            (self.0.molecule_extinction_per_m(), self.0.aerosol_extinction_per_m());
+        std::array::from_fn(|band| (-of_molecules[band] * molecules_m - of_aerosol[band] * aerosol_m).exp())
     }
-
-    /// The same for X, Y, Z and scotopic luminance, each at one wavelength.
-    pub fn transmittance_of_seen(&self, altitudes_m: [f64; 2], distance_m: f64) -> [f64; 4] {
-        through(&self.responses, altitudes_m, distance_m)
-    }
-}
-
-fn through(air: &Atmosphere, altitudes_m: [f64; 2], distance_m: f64) -> [f64; BAND_COUNT] {
-    let [molecules_m, aerosol_m] = [MOLECULE_SCALE_HEIGHT_M, AEROSOL_SCALE_HEIGHT_M]
-        .map(|scale_m| distance_m * mean_density(altitudes_m, distance_m, scale_m));
-    let (of_molecules, of_aerosol) = (air.molecule_extinction_per_m(), air.aerosol_extinction_per_m());
-    std::array::from_fn(|band| (-of_molecules[band] * molecules_m - of_aerosol[band] * aerosol_m).exp())
 }
 
 /// Mean of exp(−z/H) over a straight path; its middle lies below a straight line of altitudes by the Earth's curvature, a mean of
@@ -61,7 +51,7 @@ mod tests {
     #[test]
     fn it_agrees_with_known_paths() {
         let turbidity = Turbidity::new(2.5).unwrap();
-        let (air, atmosphere) = (AirBetween::new(turbidity), Atmosphere::new(turbidity));
+        let (air, atmosphere) = (AirBetween::new(turbidity), Atmosphere::at(turbidity, RESPONSE_NM));
         let up = air.transmittance([0.0, 90_000.0], 90_000.0);
         for (through, depth) in up.into_iter().zip(atmosphere.vertical_optical_depth(0.0)) {
             // The sag, meant for level paths, makes it denser by a few per cent.
@@ -74,9 +64,9 @@ mod tests {
             assert!((-level.ln() / (1_000.0 * (molecules + aerosol)) - 1.0).abs() < 1e-4);
         }
         // Blue light is lost first, and high air is clearer.
-        let seen = air.transmittance_of_seen([0.0, 0.0], 20_000.0);
+        let seen = air.transmittance([0.0, 0.0], 20_000.0);
         assert!(seen[2] < seen[3] && seen[3] < seen[1] && seen[1] < seen[0]);
-        assert!(air.transmittance_of_seen([3_000.0, 3_000.0], 20_000.0)[1] > seen[1]);
+        assert!(air.transmittance([3_000.0, 3_000.0], 20_000.0)[1] > seen[1]);
     }
 
     /// A level path of 100 km sinks 196 m in its middle; the mean density over the chord is met within 1 %.

@@ -71,9 +71,7 @@ impl GeoPoint {
     /// The place `distance_m` along the great circle that starts here towards `azimuth_rad`.
     pub fn destination(self, azimuth_rad: f64, distance_m: f64) -> Self {
         let frame = LocalFrame::at(self);
-        let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
-        let (sin_az, cos_az) = azimuth_rad.sin_cos();
-        Self::from_vector(frame.up * cos_arc + (frame.north * cos_az + frame.east * sin_az) * sin_arc)
+        Self::from_vector(frame.along(frame.forward(azimuth_rad), distance_m))
     }
 }
 
@@ -110,6 +108,18 @@ impl LocalFrame {
             north: DVec3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat),
             up: DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat),
         }
+    }
+
+    /// The horizontal direction of an azimuth, radians clockwise from north, as a unit vector.
+    pub fn forward(&self, azimuth_rad: f64) -> DVec3 {
+        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
+        self.north * cos_azimuth + self.east * sin_azimuth
+    }
+
+    /// The unit vector of the place `distance_m` along the great circle that starts here in a horizontal direction.
+    pub fn along(&self, forward: DVec3, distance_m: f64) -> DVec3 {
+        let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
+        self.up * cos_arc + forward * sin_arc
     }
 
     /// Distance and azimuth to the place whose Earth-centred unit vector is `target`.

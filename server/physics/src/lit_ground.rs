@@ -51,12 +51,6 @@ impl LitGround {
         let line = (away / self.step_rad) as usize;
         (line < self.lines.len()).then_some(line)
     }
-
-    /// Bytes that it takes, about.
-    pub fn byte_count(&self) -> usize {
-        let of_lines: usize = self.lines.iter().map(|line| 21 * line.tangents.len()).sum();
-        of_lines + size_of::<(Direction, SeenLight)>() * self.lamps.len()
-    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::{
     horizon::Horizon,
     panorama::{ELEVATION_COUNT, elevation_rad, solid_angle_sr},
     seen_sky::{SeenSky, SkyPart},
-    sky_sums::{Sums, mean_kernels, value_of, visible_columns},
+    sky_sums::{mean_kernels, value_of, visible_columns},
     spectrum::{Colour, Light, NODE_COUNT, Response},
     surfaces::{BeamSums, Slope, SurfaceSums},
 };
@@ -142,25 +142,6 @@ impl NaturalSky<'_> {
             Self::OfInstant { points, .. } => NodeLight::value(points, &Response::Sqm),
         };
         self.mean(dark, &Response::Sqm, horizon, meter_weight) + of_points
-    }
-
-    /// ∫ sin(elevation) dΩ over the visible sky of what a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees of it, with what
-    /// comes straight from Sun, Moon, planets and stars.
-    pub(crate) fn horizontal(
-        self,
-        dark: &EvenSky,
-        response: &Response,
-        horizon: &Horizon,
-        visible_projected_sr: f64,
-    ) -> f64 {
-        match self {
-            Self::Hidden => 0.0,
-            Self::Dark => visible_projected_sr * dark.value(response),
-            Self::OfInstant { seen, beams, .. } => {
-                Sums::of(seen.seen_by(response).unwrap_or_default(), horizon).horizontal
-                    + beams.iter().map(|beams| beams.horizontal(response)).sum::<f64>()
-            }
-        }
     }
 
     /// What surfaces receive of it, as a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees it; None where nothing comes.

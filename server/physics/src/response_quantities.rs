@@ -1,6 +1,6 @@
 //! What one response sees of a sky.
 
-use crate::{photometry::brightness_mag_arcsec2, sky_sums::Sums, spectrum::Response};
+use crate::{photometry::brightness_mag_arcsec2, sky_sums::Sums, spectrum::Response, surfaces::SurfaceLight};
 use serde::{Deserialize, Serialize};
 
 /// What a response sees at the zenith.
@@ -63,7 +63,7 @@ pub struct ResponseQuantities {
 }
 
 impl ResponseQuantities {
-    pub(crate) fn new(response: &Response, sums: &Sums, natural: f64, horizontal_natural: f64) -> Self {
+    pub(crate) fn new(response: &Response, sums: &Sums, natural: f64, surfaces: &SurfaceLight) -> Self {
         let zenith = ZenithValue::new(response, sums.zenith, natural);
         Self {
             response: zenith.response,
@@ -73,8 +73,8 @@ impl ResponseQuantities {
             zenith_brightness_mag_arcsec2: zenith.brightness_mag_arcsec2,
             zenith_total_brightness_mag_arcsec2: zenith.total_brightness_mag_arcsec2,
             mean: sums.mean,
-            horizontal: sums.horizontal,
-            horizontal_total: sums.horizontal + horizontal_natural,
+            horizontal: surfaces.artificial.horizontal,
+            horizontal_total: surfaces.total.horizontal,
             brightest: sums.brightest,
         }
     }

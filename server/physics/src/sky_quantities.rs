@@ -93,20 +93,13 @@ pub struct SkyNumbers<'a> {
 }
 
 impl SkyNumbers<'_> {
-    /// What surfaces receive, as the eye by day and in the dark sees it, and the response that was asked for.
-    fn surfaces(&self, natural: NaturalSky<'_>) -> Surfaces {
-        let light = |response: &Response| {
-            let plane = self.seen.seen_by(response).unwrap_or_default();
-            let artificial = SurfaceSums::of_plane(plane, self.slope);
-            let natural = natural.surface_sums(self.dark, response, self.horizon, self.slope);
-            let total = natural.map_or_else(|| artificial.clone(), |natural| natural.plus(&artificial));
-            SurfaceLight::new(response, &artificial, &total)
-        };
-        let mut responses = vec![&Response::Photopic, &Response::Scotopic];
-        if !responses.contains(&self.response) {
-            responses.push(self.response);
-        }
-        Surfaces::new(self.slope, responses.into_iter().map(light).collect())
+    /// What surfaces receive as a response sees it.
+    fn surface_light(&self, natural: NaturalSky<'_>, response: &Response) -> SurfaceLight {
+        let plane = self.seen.seen_by(response).unwrap_or_default();
+        let artificial = SurfaceSums::of_plane(plane, self.slope);
+        let natural = natural.surface_sums(self.dark, response, self.horizon, self.slope);
+        let total = natural.map_or_else(|| artificial.clone(), |natural| natural.plus(&artificial));
+        SurfaceLight::new(response, &artificial, &total)
     }
 }
 
@@ -143,6 +136,22 @@ impl SkyQuantities {
         let natural_of = |of: &Response| natural_sky.mean(dark, of, horizon, in_zenith_cap);
         let plane = |of: &Response| seen.seen_by(of).unwrap_or_default();
         let photopic = Sums::of(plane(&Response::Photopic), horizon);
+        let mut lit_by = vec![&Response::Photopic, &Response::Scotopic];
+        if !lit_by.contains(&response) {
+            lit_by.push(response);
+        }
+        let by_response: Vec<_> = lit_by.iter().map(|of| sky.surface_light(natural_sky, of)).collect();
+        let on_surfaces = &by_response[0];
+        let asked = (*response != Response::Photopic).then(|| {
+            let sums = Sums::of(plane(response), horizon);
+            // The last is that of the response that was asked for.
+            ResponseQuantities::new(
+                response,
+                &sums,
+                natural_of(response),
+                &by_response[by_response.len() - 1],
+            )
+        });
         let natural = natural_of(&Response::Photopic);
         let at_zenith = mean_kernels(parts, horizon, in_zenith_cap);
         let sqm = value_of(parts, &mean_kernels(parts, horizon, meter_weight), &Response::Sqm);
@@ -163,9 +172,8 @@ impl SkyQuantities {
             sqm_luminance_cd_m2: sqm,
             sqm_total_brightness_mag_arcsec2: total_brightness(sqm, natural_sky.in_meter(dark, horizon)),
             mean_luminance_cd_m2: photopic.mean,
-            horizontal_illuminance_lx: photopic.horizontal,
-            horizontal_total_illuminance_lx: photopic.horizontal
-                + natural_sky.horizontal(dark, &Response::Photopic, horizon, photopic.visible_projected_sr),
+            horizontal_illuminance_lx: on_surfaces.artificial.horizontal,
+            horizontal_total_illuminance_lx: on_surfaces.total.horizontal,
             brightest_luminance_cd_m2: photopic.brightest,
             brightest_azimuth_deg: azimuth_rad(photopic.brightest_column).to_degrees(),
             brightest_elevation_deg: elevation_rad(photopic.brightest_row).to_degrees(),
@@ -180,12 +188,8 @@ impl SkyQuantities {
                 .iter()
                 .map(|of| ZenithValue::new(of, value_of(parts, &at_zenith, of), natural_of(of)))
                 .collect(),
-            seen: (*response != Response::Photopic).then(|| {
-                let sums = Sums::of(plane(response), horizon);
-                let horizontal = natural_sky.horizontal(dark, response, horizon, sums.visible_projected_sr);
-                ResponseQuantities::new(response, &sums, natural_of(response), horizontal)
-            }),
-            surfaces: sky.surfaces(natural_sky),
+            seen: asked,
+            surfaces: Surfaces::new(sky.slope, by_response),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     horizon::Horizon,
-    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, elevation_rad, projected_sr, solid_angle_sr},
+    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, elevation_rad, solid_angle_sr},
     seen_sky::SkyPart,
     spectrum::{NODE_COUNT, Response},
 };
@@ -15,9 +15,6 @@ pub const ZENITH_CAP_RAD: f64 = 5.0 * PI / 180.0;
 pub(crate) struct Sums {
     pub(crate) zenith: f64,
     pub(crate) mean: f64,
-    pub(crate) horizontal: f64,
-    /// Projected solid angle of what is visible, sr: π for an open sky.
-    pub(crate) visible_projected_sr: f64,
     pub(crate) brightest: f64,
     pub(crate) brightest_row: usize,
     pub(crate) brightest_column: usize,
@@ -25,19 +22,13 @@ pub(crate) struct Sums {
 
 impl Sums {
     pub(crate) fn of(plane: &[f32], horizon: &Horizon) -> Self {
-        let mut horizontal = 0.0;
-        // What is hidden is taken from π, so that an open sky gives π itself.
-        let mut hidden_projected_sr = 0.0;
         let mut brightest = (0.0, horizon.first_visible_row(0).min(ELEVATION_COUNT - 1), 0);
         for (row, values) in plane.chunks_exact(AZIMUTH_COUNT).enumerate() {
-            let projected_sr = projected_sr(row);
             for (column, &value) in values.iter().enumerate() {
                 if horizon.hides_sample(row, column) {
-                    hidden_projected_sr += projected_sr;
                     continue;
                 }
                 let value = f64::from(value);
-                horizontal += value * projected_sr;
                 if value > brightest.0 {
                     brightest = (value, row, column);
                 }
@@ -46,8 +37,6 @@ impl Sums {
         Self {
             zenith: weighted_mean(plane, horizon, in_zenith_cap),
             mean: weighted_mean(plane, horizon, |_| 1.0),
-            horizontal,
-            visible_projected_sr: PI - hidden_projected_sr,
             brightest: brightest.0,
             brightest_row: brightest.1,
             brightest_column: brightest.2,

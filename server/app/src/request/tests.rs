@@ -243,6 +243,7 @@ fn what_a_format_does_not_use_is_refused() {
         "max=24",
         "exposure=1",
         "adaptation=0.01",
+        "ground=dark",
         "legend=off",
     ];
     let shape = ["projection=fisheye", "width=64", "height_px=64"];
@@ -265,6 +266,28 @@ fn what_a_format_does_not_use_is_refused() {
         assert_eq!(refused(parameter, Format::Json), Some(ValidationCode::UnknownParameter), "{parameter}");
     }
     assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
+}
+
+/// Ground in light is for the colours of eye and camera, and for terrain that counts.
+#[test]
+fn lit_ground_needs_colours_and_terrain() {
+    for (query, expected) in [
+        ("ground=lit", Some("style=realistic or style=eye")),
+        ("ground=snow&style=false_colour", Some("style=realistic or style=eye")),
+        ("ground=lit&style=eye&terrain=off", Some("terrain=on")),
+        ("ground=dark&terrain=off", None),
+        ("ground=lit&style=eye", None),
+        ("ground=snow&style=realistic&terrain=on", None),
+    ] {
+        let errors = read(&format!("lat=-1&lon=36&{query}")).err().map(|error| error.field_errors().to_vec());
+        let found = errors.as_ref().map(|errors| {
+            assert_eq!((errors.len(), errors[0].parameter.as_str()), (1, "ground"), "{query}");
+            assert_eq!(errors[0].code, ValidationCode::Conflict);
+            errors[0].message.as_str()
+        });
+        assert_eq!(found.is_some(), expected.is_some(), "{query}");
+        assert!(found.is_none_or(|found| found.contains(expected.unwrap())), "{query}: {found:?}");
+    }
 }
 
 /// All mistakes of sky and picture come in one answer.

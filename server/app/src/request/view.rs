@@ -53,6 +53,9 @@ fn read_ground(reader: &mut Reader, style: Style) -> GroundStyle {
     if ground != GroundStyle::Dark && matches!(style, Style::FalseColour { .. }) {
         only_with(reader, &[&p::GROUND], "style=realistic or style=eye");
     }
+    if ground != GroundStyle::Dark && reader.text(&p::TERRAIN) == Some("off") {
+        only_with(reader, &[&p::GROUND], "terrain=on");
+    }
     ground
 }
 

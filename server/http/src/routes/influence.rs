@@ -19,7 +19,8 @@ use skyglow_app::{
     answers::{Assumptions, InfluenceAnswer},
     fingerprint::fingerprint,
     influence_file::encode_influences,
-    parameters::{InfluenceParameters, InfluenceRasterParameters, NegotiatedInfluenceParameters},
+    negotiated_parameters::NegotiatedInfluenceParameters,
+    parameters::{InfluenceParameters, InfluenceRasterParameters},
     request::{InfluenceBody, InfluenceListRequest, influence, scene_id},
     source::SkySource,
 };

@@ -4,7 +4,7 @@ use crate::{
     error::ApiError,
     jobs::{Outcome, Standing},
     problem::Problem,
-    respond::{Counted, json_bytes},
+    respond::{Counted, uncached},
     state::AppState,
     trust::PublicAddress,
 };
@@ -90,12 +90,9 @@ pub async fn get_job(
 ) -> Result<Response<Body>, ApiError> {
     no_parameters(query.as_deref())?;
     let standing = state.jobs.standing(&job).ok_or(ApiError::NotFound)?;
-    let mut response = Response::new(Body::from(json_bytes(&JobAnswer::new(&job, &standing, &address))?));
-    let headers = response.headers_mut();
-    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
-    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    let mut response = uncached(&JobAnswer::new(&job, &standing, &address))?;
     if !matches!(standing, Standing::Ended(_)) {
-        headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }
     Ok(response)
 }

@@ -17,9 +17,8 @@ use skyglow_app::{
     accept::{Format, OFFERED, negotiate},
     answers::PanoramaAnswer,
     drawing::draw,
-    parameters::{
-        CompactParameters, GridParameters, NegotiatedPanoramaParameters, PanoramaParameters, RasterParameters,
-    },
+    negotiated_parameters::NegotiatedPanoramaParameters,
+    parameters::{CompactParameters, GridParameters, PanoramaParameters, RasterParameters},
     request::{PictureRequest, panorama, scene_id},
     source::SkySource,
 };

@@ -29,7 +29,8 @@ use skyglow_app::error::AppError;
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::{PlanAnswer, PlanEntry},
-    parameters::{KeptListParameters, NegotiatedPlanParameters, PlanPostParameters},
+    negotiated_parameters::NegotiatedPlanParameters,
+    parameters::{KeptListParameters, PlanPostParameters},
     plan_file::{encode_plan, plan_answer},
     planning::{find_plan, make_plan, prepare_plan},
     request::{PlanBody, change_id, plan, plan_limit, scene_id},

@@ -8,7 +8,7 @@ use crate::{
     poster::Poster,
     problem::Problem,
     refusals::{BadParameters, BodyTooLong, OfSky},
-    respond::json_bytes,
+    respond::{json_bytes, uncached},
     routes::frame::Answer,
     state::AppState,
     trust::PublicAddress,
@@ -199,12 +199,4 @@ pub async fn get_job_results(
             Ok(response)
         }
     }
-}
-
-fn uncached(document: &Value) -> Answer {
-    let mut response = Response::new(Body::from(json_bytes(document)?));
-    let headers = response.headers_mut();
-    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
-    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-    Ok(response)
 }

@@ -21,7 +21,7 @@ use axum::{
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::{TileJson, standards::finest_zoom},
-    parameters::OptionalInfluenceParameters,
+    negotiated_parameters::OptionalInfluenceParameters,
     request::{brightness, influence, scene_id},
 };
 use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};

@@ -19,7 +19,7 @@ use skyglow_app::{
     accept::InfluenceFormat,
     answers::{brightness_shows, measure_name},
     error::AppError,
-    parameters::OptionalInfluenceParameters,
+    negotiated_parameters::OptionalInfluenceParameters,
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
     source::SkySource,
     validation::echo,

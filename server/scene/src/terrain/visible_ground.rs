@@ -101,8 +101,7 @@ impl Terrain {
         eye_altitude_m: f64,
         highest_m: f64,
     ) -> Vec<f32> {
-        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
-        let forward = frame.north * cos_azimuth + frame.east * sin_azimuth;
+        let forward = frame.forward(azimuth_rad);
         let mut elevations = Vec::with_capacity(distances_m.len());
         let mut top = f64::NEG_INFINITY;
         for &distance_m in distances_m {
@@ -112,8 +111,7 @@ impl Terrain {
             {
                 break;
             }
-            let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
-            let place = GeoPoint::from_vector(frame.up * cos_arc + forward * sin_arc);
+            let place = GeoPoint::from_vector(frame.along(forward, distance_m));
             let elevation_m = self.elevation_m(place).map_or(SEA_LEVEL_M, |elevation_m| elevation_m as f32);
             top = top.max(terrain_elevation_tangent(eye_altitude_m, f64::from(elevation_m), distance_m));
             elevations.push(elevation_m);

@@ -48,14 +48,12 @@ pub(super) struct LineOfSight<'a> {
 
 impl<'a> LineOfSight<'a> {
     pub(super) fn new(frame: &'a LocalFrame, altitude_m: f64, azimuth_rad: f64) -> Self {
-        let (sin_az, cos_az) = azimuth_rad.sin_cos();
-        Self { frame, forward: frame.north * cos_az + frame.east * sin_az, azimuth_rad, altitude_m }
+        Self { frame, forward: frame.forward(azimuth_rad), azimuth_rad, altitude_m }
     }
 
     /// The point at a distance along the great circle, as a unit vector.
     fn point(&self, distance_m: f64) -> DVec3 {
-        let (sin_arc, cos_arc) = (distance_m / EARTH_RADIUS_M).sin_cos();
-        self.frame.up * cos_arc + self.forward * sin_arc
+        self.frame.along(self.forward, distance_m)
     }
 }
 

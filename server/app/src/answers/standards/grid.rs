@@ -1,10 +1,12 @@
 //! A grid of longitudes and latitudes over part of a scene.
 
 use serde_json::{Value, json};
+use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_scene::SceneMetadata;
+use std::f64::consts::PI;
 
 /// Metres of a degree of latitude.
-const METRES_PER_DEGREE: f64 = 111_195.0;
+const METRES_PER_DEGREE: f64 = EARTH_RADIUS_M * (PI / 180.0);
 
 /// Places at even steps of longitude and latitude.
 #[derive(Clone, Debug, PartialEq)]

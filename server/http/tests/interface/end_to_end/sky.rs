@@ -111,3 +111,26 @@ async fn multiple_scattering_is_brighter() {
     assert_eq!((&all["scattering"], &single["scattering"]), (&json!("multiple"), &json!("single")));
     assert!(zenith(&all) > 1.001 * zenith(&single), "{} {}", zenith(&all), zenith(&single));
 }
+
+/// Ground in light is brighter than a silhouette where it is, brighter under snow, and leaves the sky above it as it was.
+#[tokio::test]
+async fn ground_is_seen_in_its_light() {
+    let server = EndToEnd::shared().await;
+    let drawn = async |ground: &str| {
+        // Where no lamps are.
+        let look = "lat=46.53&lon=8.61&height=20&projection=perspective&elevation=0&style=eye&legend=off";
+        let size = "width=128&height_px=96";
+        let path = format!("/api/v1/scenes/demo/panorama.png?{look}&{size}&ground={ground}");
+        let answer = server.get(&path).await;
+        assert_eq!(answer.status(), 200, "{ground}");
+        image::load_from_memory(&answer.bytes().await.unwrap()).unwrap().into_rgb8()
+    };
+    let [dark, lit, snow] = [drawn("dark").await, drawn("lit").await, drawn("snow").await];
+    let sum = |image: &image::RgbImage, rows: std::ops::Range<u32>| {
+        let pixels = rows.flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+        pixels.map(|(x, y)| u32::from(image.get_pixel(x, y).0[1])).sum::<u32>()
+    };
+    let [silhouette, bare, white] = [&dark, &lit, &snow].map(|image| sum(image, 72..96));
+    assert!(bare > silhouette + 10_000 && white > bare + 10_000, "{silhouette} {bare} {white}");
+    assert_eq!(sum(&lit, 0..12), sum(&dark, 0..12));
+}
