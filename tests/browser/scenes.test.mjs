@@ -109,15 +109,21 @@ test("the search finds places of the world", async () => {
   const page = await context.newPage();
   await page.goto(`${process.env.SKYGLOW_URL}/${fragment(here.town)}`);
   await skyShown(page);
-  await page.locator("#search").pressSequentially("world", { delay: 30 });
+  // All letters before the viewer can ask, however slow the machine.
+  await page.locator("#search").evaluate((search) => {
+    search.focus();
+    for (const letters of ["w", "wo", "wor", "worl", "world"]) {
+      search.value = letters;
+      search.dispatchEvent(new InputEvent("input", { bubbles: true }));
+    }
+  });
   const options = page.locator("#search-list").getByRole("option");
   await options.filter({ hasText: "World's End" }).waitFor();
   assert.deepEqual(await options.allTextContents(), [
     "WorldhamNorway · The measured north",
     "World's EndAustralia · no scene covers it",
   ]);
-  // Where typing rests on a slow machine it may ask for the same twice, never for parts.
-  assert.deepEqual([...new Set(asked)], ["world"]);
+  assert.deepEqual(asked, ["world"]);
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
   assert.match(await page.locator("#notice").textContent(), /No scene of this server covers World's End/);

@@ -182,6 +182,8 @@ impl From<ObservatoryError> for AppError {
 fn of_render(error: RenderError) -> AppError {
     match error {
         RenderError::Busy { .. } => AppError::Busy { retry_after_s: 1 },
+        // Told to nobody.
+        RenderError::Ended => AppError::EngineDown,
         RenderError::Stopped | RenderError::Device(_) => {
             tracing::error!(reason = %error, "engine down");
             AppError::EngineDown

@@ -137,7 +137,7 @@ impl Observatory {
     /// * `store`: as in [`Scene::sum_at_places`]; the patches of a pack after the first have numbers of their own.
     ///
     /// # Errors
-    /// As [`Self::sky`]; [`RenderError::Stopped`] where the store cancelled it.
+    /// As [`Self::sky`]; [`RenderError::Ended`] where the store cancelled it.
     pub fn brightness_in(
         &self,
         view: &SceneView,
@@ -185,7 +185,7 @@ impl Observatory {
             scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
         step("ground");
         let values = self.seen_at(&scene, request, (lattice, &altitudes_m), way, store, &mut step)?;
-        let places = PlaceValues::new(lattice, values).ok_or(RenderError::Stopped)?;
+        let places = PlaceValues::new(lattice, values).ok_or(RenderError::Ended)?;
         Ok(BrightnessMap {
             scene,
             places,
@@ -260,7 +260,7 @@ impl Observatory {
             step("kernel");
             let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
             let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, way, &of_pack);
-            of_packs.push(sums.ok_or(RenderError::Stopped)?);
+            of_packs.push(sums.ok_or(RenderError::Ended)?);
             step("sums");
         }
         Ok(match of_packs.len() {

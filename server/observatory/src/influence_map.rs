@@ -155,7 +155,7 @@ impl Observatory {
     /// milliseconds to a second. Not for asynchronous threads.
     ///
     /// # Errors
-    /// As [`Self::sky`], [`ObservatoryError::EmptyRegion`], and [`skyglow_render::RenderError::Stopped`] where `watch` ended it.
+    /// As [`Self::sky`], [`ObservatoryError::EmptyRegion`], and [`skyglow_render::RenderError::Ended`] where `watch` ended it.
     pub fn influence_in(
         &self,
         view: &SceneView,
@@ -284,7 +284,7 @@ fn near_norms(
         .collect();
     let norm = |&position: &usize| {
         if !goes_on() {
-            return Err(RenderError::Stopped.into());
+            return Err(RenderError::Ended.into());
         }
         solver.norm(&RenderRequest { polar: Arc::new(lights.alone(position)), ..sky.clone() }, rule)
     };

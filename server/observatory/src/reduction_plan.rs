@@ -203,7 +203,7 @@ impl Observatory {
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Vec<SkyState>, ObservatoryError> {
         let state = |site: &&InfluenceRequest| {
-            if goes_on() { self.state(scene, site) } else { Err(RenderError::Stopped.into()) }
+            if goes_on() { self.state(scene, site) } else { Err(RenderError::Ended.into()) }
         };
         asked.iter().map(state).collect()
     }

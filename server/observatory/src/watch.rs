@@ -9,7 +9,7 @@ pub type Watch<'a> = dyn Fn(f64) -> bool + Sync + 'a;
 /// Ends work that nobody waits for any more.
 ///
 /// # Errors
-/// [`RenderError::Stopped`].
+/// [`RenderError::Ended`].
 pub(crate) fn note(watch: &Watch<'_>, done: f64) -> Result<(), ObservatoryError> {
-    if watch(done) { Ok(()) } else { Err(RenderError::Stopped.into()) }
+    if watch(done) { Ok(()) } else { Err(RenderError::Ended.into()) }
 }

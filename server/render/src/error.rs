@@ -17,6 +17,9 @@ pub enum RenderError {
     /// The engine is shutting down or its thread has ended.
     #[error("the engine has stopped")]
     Stopped,
+    /// Nobody waits for the work any more.
+    #[error("nobody waits for this work any more")]
+    Ended,
     /// The observer is above the tables' range; below their range counts as the lowest altitude.
     #[error("altitude is {altitude_m} m; allowed is {minimum_m} to {maximum_m} m")]
     AltitudeOutOfRange {

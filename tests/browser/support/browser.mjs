@@ -28,8 +28,20 @@ const STILL = { reducedMotion: "reduce" };
 export const DESKTOP = { viewport: { width: 1180, height: 760 }, ...STILL };
 export const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true, ...STILL };
 
-export function launch() {
-  return chromium.launch({ executablePath: EXECUTABLE, headless: true, args: FLAGS });
+/** A browser whose contexts close without faults of answers that a test was still changing on their way. */
+export async function launch() {
+  const browser = await chromium.launch({ executablePath: EXECUTABLE, headless: true, args: FLAGS });
+  const newContext = browser.newContext.bind(browser);
+  browser.newContext = async (options) => {
+    const context = await newContext(options);
+    const close = context.close.bind(context);
+    context.close = async () => {
+      for (const routed of [context, ...context.pages()]) await routed.unrouteAll({ behavior: "ignoreErrors" });
+      await close();
+    };
+    return context;
+  };
+  return browser;
 }
 
 /** A page of its own context, with `faults` (console errors, exceptions, requests to other hosts) and `asked`. */

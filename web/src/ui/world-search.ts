@@ -54,6 +54,8 @@ export function worldResults(
 
 export class WorldSearch {
   private request = new AbortController();
+  /** The text that is waited for; a list that is drawn again does not ask again. */
+  private awaited: string | null = null;
   private found: { text: string; places: FoundPlace[] } = { text: "", places: [] };
   private readonly askSoon = debounced(WAIT_MS, (text: string) => void this.ask(text));
 
@@ -68,12 +70,15 @@ export class WorldSearch {
       return [];
     }
     if (this.found.text === name) return this.found.places;
+    if (this.awaited === name) return null;
     this.request.abort();
+    this.awaited = name;
     this.askSoon(name);
     return null;
   }
 
   stop(): void {
+    this.awaited = null;
     this.askSoon.cancel();
     this.request.abort();
   }
@@ -84,6 +89,7 @@ export class WorldSearch {
     // Without an answer the scenes' own places are there all the same.
     const places = await api.worldPlaces(text, signal).catch((): FoundPlace[] => []);
     if (signal.aborted) return;
+    this.awaited = null;
     this.found = { text, places };
     this.changed();
   }

@@ -34,7 +34,7 @@ impl InfluenceMap {
     /// units of the place's own radius ([`town_radius_m`]), if within [`TOWN_REACH`] of them.
     ///
     /// # Errors
-    /// [`skyglow_render::RenderError::Stopped`] where `watch` ended it.
+    /// [`skyglow_render::RenderError::Ended`] where `watch` ended it.
     pub fn by_town(&self, watch: &Watch<'_>) -> Result<Shares, ObservatoryError> {
         let towns: Vec<Town> = self.open_scene().places().iter().map(Town::new).collect();
         self.added_up(&towns::Towns(towns), self.open_scene().places().len(), watch)
