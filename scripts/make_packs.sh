@@ -42,3 +42,11 @@ make_part() { # make_part PART TURBIDITIES_ON_DISK
 
 make_part celestial "$celestial"
 make_part lamps "$lamps"
+
+# The overcast sky that comes with the project.
+overcast=precomputed/turbidity-2.50-multiple-clouds-1500.skyglow
+if [ "$which" = all ] || [ ! -f "$overcast" ]; then
+    echo "precomputed/: making the overcast sky" >&2
+    rm -f "$overcast"
+    "$skyglow" precompute --turbidity 2.5 --cloud-base 1500 --basis 64 --out precomputed
+fi

@@ -124,6 +124,9 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
     }
     if assumptions.clouds != "none" {
         words.push_str(&format!(", clouds at {} m", assumptions.clouds));
+        if let Some(cover) = assumptions.cloud_cover.filter(|cover| *cover < 1.0) {
+            words.push_str(&format!(" over {:.0} % of the sky", 100.0 * cover));
+        }
     }
     Ok(Notes::new(&notes::description(words, scene.illustrative), &serde_json::to_string(assumptions)?))
 }

@@ -129,6 +129,8 @@ const DEGREES: &str = " degrees";
 const A_NUMBER: &str = "^-?[0-9.]+([eE][+-]?[0-9]+)?$";
 /// Most basis functions that a table pack is made with; the resident ones may have fewer.
 pub const MAX_BASIS_FUNCTIONS: u32 = 256;
+/// Highest number of a pattern of clouds.
+pub const MAX_CLOUD_PATTERN: u32 = 65_535;
 
 parameters! {
     /// Latitude of the place, WGS84.
@@ -171,6 +173,10 @@ parameters! {
         allowed: "none, or a whole number from 200 to 12000 m",
         pattern: "^(none|[0-9]{3,5})$",
     }, "none", false;
+    /// Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone.
+    CLOUD_COVER = "cloud_cover", Kind::Number { minimum: 0.0, maximum: 1.0, unit: "" }, "1", false;
+    /// One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone.
+    CLOUD_PATTERN = "cloud_pattern", Kind::Integer { minimum: 1, maximum: MAX_CLOUD_PATTERN }, "", false;
     /// Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count.
     TERRAIN = "terrain", Kind::Choice(&["on", "off"]), "on", false;
     /// Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`.
@@ -347,12 +353,12 @@ parameter_sets! {
     PlanListParameters = [LIMIT];
     /// Those of a sky.
     SkyParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those that many skies have in common; each place may have its own of all but the scenario.
     SkiesParameters = [
-        HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those of a sky that is summed over every light: it has no basis.
@@ -393,22 +399,22 @@ parameter_sets! {
     ];
     /// Those of a panorama's raw grid.
     GridParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those of a compact panorama, which holds artificial light and, at a time, all light.
     CompactParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those of a panorama as a raster of radiance: what chooses colours means nothing there.
     RasterParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
     ];
     /// Those of a panorama as a picture.
     PanoramaParameters = [
-        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, TERRAIN, TOLERANCE,
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, WIDTH,
         HEIGHT_PX, LEGEND,
     ];

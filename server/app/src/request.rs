@@ -163,9 +163,9 @@ pub fn panorama(
     Ok((sky, view))
 }
 
-/// The light that there is of the light asked for: nothing natural comes through clouds.
+/// The light that there is of the light asked for: nothing natural comes through a closed layer of cloud.
 fn light_under(request: &SkyRequest, light: Sky) -> Sky {
-    if request.cloud_base_m.is_some() { Sky::Artificial } else { light }
+    if request.is_overcast() { Sky::Artificial } else { light }
 }
 
 fn only_what_means_something(reader: &mut Reader, format: Format) {

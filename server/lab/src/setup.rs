@@ -47,6 +47,7 @@ pub fn open_sky(scene: SceneId, place: GeoPoint, turbidity: Turbidity) -> SkyReq
         turbidity,
         scattering: Scattering::Multiple,
         cloud_base_m: None,
+        broken_clouds: None,
         response: Response::Photopic,
         lamp: LampPreset::Mixed.lamp(),
         emission: EmissionMix::garstang().into(),

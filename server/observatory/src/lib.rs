@@ -4,6 +4,7 @@ pub mod brightness;
 mod cache_sizes;
 mod change;
 mod clean_directions;
+mod dark_through_gaps;
 mod darker;
 pub mod error;
 mod ground_light;

@@ -150,20 +150,20 @@ impl Observatory {
         view: SceneView,
         request: Arc<SkyRequest>,
     ) -> Result<RenderedSky, ObservatoryError> {
-        let hides_lights = self.hides_lights(request.kind());
+        let hides_lights = self.hides_lights_of(&request);
         let basis = self.engine.basis_chooser();
         let wanted = Arc::clone(&request);
         let celestial = self.celestial.clone();
         let prepare = move || {
             let surroundings = Surroundings::of(&view, &wanted, hides_lights)?;
             let to_render = surroundings.render_requests(&wanted, &basis)?;
-            let night = surroundings.night_sky(&wanted, celestial.as_deref())?;
-            Ok::<_, ObservatoryError>((surroundings, night, to_render))
+            let natural = surroundings.natural(&wanted, celestial.as_deref())?;
+            Ok::<_, ObservatoryError>((surroundings, natural, to_render))
         };
-        let (surroundings, night, (to_render, bound)) =
+        let (surroundings, natural, (to_render, bound)) =
             tokio::task::spawn_blocking(prepare).await.map_err(|_| RenderError::Stopped)??;
         let rendered = self.engine.render_each(&to_render).await?;
-        Ok(surroundings.finish(&request, rendered, bound, night, self.celestial_tables()))
+        Ok(surroundings.finish(&request, rendered, bound, natural, self.celestial_tables()))
     }
 
     /// A sky of the scene as it is now, for threads outside an asynchronous runtime. Panics inside one.
@@ -172,7 +172,7 @@ impl Observatory {
     /// As [`Self::view`] and [`Self::sky`].
     pub fn sky_blocking(&self, request: &SkyRequest) -> Result<RenderedSky, ObservatoryError> {
         let view = self.view(&request.scene, request.scenario.as_ref())?;
-        self.render(Surroundings::of(&view, request, self.hides_lights(request.kind()))?, request)
+        self.render(Surroundings::of(&view, request, self.hides_lights_of(request))?, request)
     }
 
     /// The sky of surroundings.
@@ -182,14 +182,20 @@ impl Observatory {
         request: &SkyRequest,
     ) -> Result<RenderedSky, ObservatoryError> {
         let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
-        let night = surroundings.night_sky(request, self.celestial_tables())?;
+        let natural = surroundings.natural(request, self.celestial_tables())?;
         let rendered = self.engine.render_each_blocking(&to_render)?;
-        Ok(surroundings.finish(request, rendered, bound, night, self.celestial_tables()))
+        Ok(surroundings.finish(request, rendered, bound, natural, self.celestial_tables()))
     }
 
     /// Whether the packs of a kind know sources behind skylines.
     pub(crate) fn hides_lights(&self, kind: PackKind) -> bool {
         let kinds = &self.engine.info().kinds;
         kinds.iter().any(|resident| resident.kind == kind && resident.hides_lights)
+    }
+
+    /// Whether all packs that a sky is rendered from know them.
+    fn hides_lights_of(&self, request: &SkyRequest) -> bool {
+        let clear = PackKind { cloud_base_m: None, ..request.kind() };
+        self.hides_lights(request.kind()) && (request.broken_clouds.is_none() || self.hides_lights(clear))
     }
 }

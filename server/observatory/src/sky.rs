@@ -1,10 +1,14 @@
 //! A sky request, and the rendered sky that answers it.
 
-use crate::night_sky::{NightSky, SkyTime};
+use crate::{
+    dark_through_gaps::DarkThroughGaps,
+    night_sky::{NightSky, SkyTime},
+};
 use serde::Serialize;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Emission, EvenSky, GeoPoint, Horizon, Lamp, LampPreset, NaturalSky, Panorama,
-    Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Slope, Turbidity,
+    AZIMUTH_COUNT, BAND_COUNT, BrokenClouds, Emission, EvenSky, Gaps, GeoPoint, Horizon, Lamp, LampPreset,
+    NaturalSky, Panorama, Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Slope,
+    Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -46,6 +50,9 @@ pub struct SkyRequest {
     pub scattering: Scattering,
     /// Base of the layer of cloud above sea level, metres, of which packs are resident; None under a clear sky.
     pub cloud_base_m: Option<u32>,
+    /// How much of that layer is cloud; None where it is closed, and under a clear sky.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub broken_clouds: Option<BrokenClouds>,
     /// The lamp.
     pub lamp: Lamp,
     /// What sees the sky.
@@ -67,6 +74,11 @@ impl SkyRequest {
     /// The kind of packs that it is rendered from.
     pub(crate) fn kind(&self) -> PackKind {
         PackKind { cloud_base_m: self.cloud_base_m, scattering: self.scattering }
+    }
+
+    /// Whether nothing natural comes through the clouds.
+    pub fn is_overcast(&self) -> bool {
+        self.cloud_base_m.is_some() && self.broken_clouds.is_none()
     }
 }
 
@@ -109,8 +121,10 @@ pub struct RenderedSky {
     pub response: Response,
     /// Below it terrain hides the sky; flat where nothing does.
     pub horizon: Horizon,
-    /// The natural sky of the instant that was asked for.
+    /// The natural sky of the instant that was asked for, as it comes through gaps.
     pub night: Option<NightSky>,
+    /// Between them broken clouds hide the natural sky.
+    pub gaps: Option<Gaps>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// What its numbers depend on beside the request.
@@ -122,25 +136,19 @@ pub struct RenderedSky {
 impl RenderedSky {
     /// The sky of parts over an open horizon, of which what lies below `horizon` becomes dark.
     pub fn new(request: &SkyRequest, parts: Vec<SkyPart>, horizon: Horizon, context: RenderContext) -> Self {
-        Self::with_night(request, parts, horizon, context, None)
+        Self::with_natural(request, parts, horizon, context, (None, None))
     }
 
-    /// The same with the natural sky of an instant, which is dark there already.
-    pub(crate) fn with_night(
+    /// The same with the natural sky of an instant, which is dark there already, and with gaps between clouds.
+    pub(crate) fn with_natural(
         request: &SkyRequest,
         mut parts: Vec<SkyPart>,
         horizon: Horizon,
         context: RenderContext,
-        night: Option<NightSky>,
+        (night, gaps): (Option<NightSky>, Option<Gaps>),
     ) -> Self {
         parts.iter_mut().for_each(|part| horizon.darken(&mut part.kernel));
         let seen = SeenSky::of(&parts, &responses_of(request));
-        let beams = night.as_ref().map(|night| night.beams(context.slope)).unwrap_or_default();
-        let natural = match &night {
-            _ if request.cloud_base_m.is_some() => NaturalSky::Hidden,
-            Some(night) => night.as_natural_sky(&beams),
-            None => NaturalSky::Dark,
-        };
         let numbers = SkyNumbers {
             parts: &parts,
             seen: &seen,
@@ -149,9 +157,17 @@ impl RenderedSky {
             dark: &context.dark,
             slope: context.slope,
         };
-        let quantities = SkyQuantities::with(natural, numbers);
+        let quantities = match (&night, &gaps) {
+            _ if request.is_overcast() => SkyQuantities::with(NaturalSky::Hidden, numbers),
+            (Some(night), gaps) => quantities_at(night, gaps.as_ref(), numbers),
+            (None, Some(gaps)) => {
+                let dark = DarkThroughGaps::new(&context.dark, gaps, &horizon, seen.responses());
+                SkyQuantities::with(dark.as_natural_sky(), numbers)
+            }
+            (None, None) => SkyQuantities::with(NaturalSky::Dark, numbers),
+        };
         let response = request.response.clone();
-        Self { parts, seen, response, horizon, night, quantities, context, passes: Vec::new() }
+        Self { parts, seen, response, horizon, night, gaps, quantities, context, passes: Vec::new() }
     }
 
     /// The quantities of its artificial light with the natural sky of another instant.
@@ -164,7 +180,7 @@ impl RenderedSky {
             dark: &self.context.dark,
             slope: self.context.slope,
         };
-        SkyQuantities::with(night.as_natural_sky(&night.beams(self.context.slope)), numbers)
+        quantities_at(night, self.gaps.as_ref(), numbers)
     }
 
     /// What the response of the request sees, `[row][column]`, in its unit.
@@ -185,7 +201,7 @@ impl RenderedSky {
     }
 
     /// Artificial light and the natural sky by the responses of [`Self::seen`]: that of the instant that was asked for or else the dark
-    /// reference, above the horizon. Not for skies under clouds.
+    /// reference, above the horizon and between clouds. Not for overcast skies.
     pub fn seen_in_total(&self) -> SeenSky {
         let mut seen = self.seen.clone();
         match &self.night {
@@ -206,19 +222,28 @@ impl RenderedSky {
         seen
     }
 
-    /// Adds the dark reference above the horizon.
+    /// Adds the dark reference above the horizon, between clouds.
     fn add_dark(&self, seen: &mut SeenSky) {
         for place in 0..seen.responses().len() {
             let added = self.context.dark.value(&seen.responses()[place]) as f32;
             for (row, values) in seen.plane_mut(place).chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
                 for (column, value) in values.iter_mut().enumerate() {
                     if !self.horizon.hides_sample(row, column) {
-                        *value += added;
+                        let gap = self.gaps.as_ref().map_or(1.0, |gaps| gaps.share(row, column));
+                        *value += gap as f32 * added;
                     }
                 }
             }
         }
     }
+}
+
+/// The quantities with the natural sky of an instant.
+fn quantities_at(night: &NightSky, gaps: Option<&Gaps>, numbers: SkyNumbers<'_>) -> SkyQuantities {
+    let beams = night.beams(numbers.slope);
+    let light = night.natural_light(&beams);
+    let natural = if gaps.is_some() { NaturalSky::ThroughGaps(light) } else { NaturalSky::OfInstant(light) };
+    SkyQuantities::with(natural, numbers)
 }
 
 /// What the numbers and pictures of a request need.

@@ -45,6 +45,7 @@ impl Observatory {
             altitude_m: sky.context.altitude_m,
             horizon: &sky.horizon,
             turbidity: request.turbidity,
+            gaps: sky.gaps.as_ref(),
         };
         let responses = responses_of(request);
         let at = |time: &SkyTime| {

@@ -7,7 +7,7 @@ use crate::{
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, Fixture, Horizon, Lamp, LampPreset, PhysicsError, SkyPart, Slope,
+    Atmosphere, BAND_COUNT, Fixture, Gaps, Horizon, Lamp, LampPreset, PhysicsError, SkyPart, Slope,
 };
 use skyglow_render::{
     PassTime,
@@ -23,6 +23,14 @@ use std::{
 
 /// The light around a place that has one kind of fixture.
 pub(crate) type FixtureLight = (Fixture, Arc<PolarGrid>);
+
+/// What of the natural sky is seen.
+pub(crate) struct Natural {
+    /// That of an instant, and how long it took.
+    night: Option<(NightSky, Duration)>,
+    /// Between broken clouds.
+    gaps: Option<Gaps>,
+}
 
 /// What a scene says of a place.
 #[derive(Clone)]
@@ -97,33 +105,38 @@ impl Surroundings {
         }
     }
 
-    /// What is to be rendered and added up; with a tolerance, the fewest functions that it allows, and the bound of what they
+    /// What is to be rendered and added up, under broken clouds first of the clear sky, then of the overcast one; with a tolerance, the fewest functions that it allows, and the bound of what they
     /// miss.
     pub(crate) fn render_requests(
         &self,
         request: &SkyRequest,
         basis: &BasisChooser,
     ) -> Result<(Vec<RenderRequest>, Option<f64>), ObservatoryError> {
-        let part = |(fixture, polar): &FixtureLight| {
+        let part = |(fixture, polar): &FixtureLight, cloud_base_m: Option<u32>| {
             let (emission, flux_factor) = request.emission.of_fixture(fixture)?;
             Ok(RenderRequest {
                 polar: Arc::clone(polar),
                 observer_altitude_m: self.altitude_m,
                 turbidity: request.turbidity,
                 scattering: request.scattering,
-                cloud_base_m: request.cloud_base_m,
+                cloud_base_m,
                 emission,
                 flux_per_dnb_flux: [flux_factor; BAND_COUNT],
                 basis: request.basis,
             })
         };
-        let parts: Result<Vec<RenderRequest>, PhysicsError> = self.lights.iter().map(part).collect();
+        let layers: &[Option<u32>] = match request.broken_clouds {
+            None => &[request.cloud_base_m],
+            Some(_) => &[None, request.cloud_base_m],
+        };
+        let parts = layers.iter().flat_map(|layer| self.lights.iter().map(|light| part(light, *layer)));
+        let parts: Result<Vec<RenderRequest>, PhysicsError> = parts.collect();
         let mut parts = parts.map_err(ObservatoryError::Emission)?;
         let (None, Some(tolerance)) = (request.basis, request.tolerance) else {
             return Ok((parts, None));
         };
         // Skies are nowhere below 0, so norms of n of them sum to √n times that of their sum at most.
-        let together = (parts.len() as f64).sqrt();
+        let together = (self.lights.len() as f64).sqrt();
         let mut bound = 0f64;
         for part in &mut parts {
             let within = basis.basis_within(part, tolerance / together)?;
@@ -133,16 +146,37 @@ impl Surroundings {
         Ok((parts, Some(together * bound)))
     }
 
-    /// The natural sky of the instant that is asked for; None where none is, and under clouds.
+    /// What of the natural sky is seen.
     ///
     /// # Errors
     /// [`ObservatoryError::NoCelestialTables`].
-    pub(crate) fn night_sky(
+    pub(crate) fn natural(
         &self,
         request: &SkyRequest,
         tables: Option<&CelestialTables>,
+    ) -> Result<Natural, ObservatoryError> {
+        let gaps = self.gaps(request);
+        let night = self.night_sky(request, gaps.as_ref(), tables)?;
+        Ok(Natural { night, gaps })
+    }
+
+    /// The gaps between broken clouds over the eye.
+    fn gaps(&self, request: &SkyRequest) -> Option<Gaps> {
+        let base_m = f64::from(request.cloud_base_m?);
+        Some(request.broken_clouds?.gaps(base_m - self.altitude_m))
+    }
+
+    /// The natural sky of the instant that is asked for; None where none is, and under a closed layer of cloud.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::NoCelestialTables`].
+    fn night_sky(
+        &self,
+        request: &SkyRequest,
+        gaps: Option<&Gaps>,
+        tables: Option<&CelestialTables>,
     ) -> Result<Option<(NightSky, Duration)>, ObservatoryError> {
-        let Some(time) = request.time.filter(|_| request.cloud_base_m.is_none()) else { return Ok(None) };
+        let Some(time) = request.time.filter(|_| !request.is_overcast()) else { return Ok(None) };
         let start = Instant::now();
         let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
         let open = Horizon::flat();
@@ -152,20 +186,22 @@ impl Surroundings {
             altitude_m: self.altitude_m,
             horizon,
             turbidity: request.turbidity,
+            gaps,
         };
         let night = NightSky::new(tables, &over, time, &responses_of(request))?;
         Ok(Some((night, start.elapsed())))
     }
 
-    /// The sky with what it depends on, dark below the horizon; `rendered` is one sky for each kind of fixture.
+    /// The sky with what it depends on, dark below the horizon; `rendered` is what [`Self::render_requests`] asked for.
     pub(crate) fn finish(
         self,
         request: &SkyRequest,
-        rendered: Vec<Rendered>,
+        mut rendered: Vec<Rendered>,
         basis_error_bound: Option<f64>,
-        night: Option<(NightSky, Duration)>,
+        natural: Natural,
         tables: Option<&CelestialTables>,
     ) -> RenderedSky {
+        let Natural { night, gaps } = natural;
         let basis_count = rendered.iter().map(|rendered| rendered.basis_count).max().unwrap_or_default();
         let context = self.context(request, tables, basis_count, basis_error_bound);
         let lights: Vec<_> = self.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp)).collect();
@@ -176,10 +212,16 @@ impl Surroundings {
         };
         let before = [timed("horizon", time), timed("night sky", night_time)].into_iter().flatten();
         let passes = before.chain(times_together(&rendered)).collect();
+        if let Some(gaps) = &gaps {
+            let overcast = rendered.split_off(lights.len());
+            for (clear, overcast) in rendered.iter_mut().zip(&overcast) {
+                gaps.cover(&mut clear.panorama, &overcast.panorama);
+            }
+        }
         let parts = lights.into_iter().zip(rendered);
         let parts = parts.map(|(light, rendered)| SkyPart { light, kernel: rendered.panorama }).collect();
         let horizon = horizon.unwrap_or_default();
-        RenderedSky { passes, ..RenderedSky::with_night(request, parts, horizon, context, night) }
+        RenderedSky { passes, ..RenderedSky::with_natural(request, parts, horizon, context, (night, gaps)) }
     }
 }
 

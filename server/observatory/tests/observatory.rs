@@ -5,7 +5,7 @@ mod common;
 
 use common::{engine, sky, store_town_on, town};
 use skyglow_observatory::{Observatory, ObservatoryError, ObserverHeight, RenderedSky, SkyRequest};
-use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, BAND_COUNT, GeoPoint, Horizon, Panorama};
+use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BrokenClouds, GeoPoint, Horizon, Panorama};
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, synthetic};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
 use std::{path::Path, sync::Arc};
@@ -219,4 +219,53 @@ fn overcast_has_no_stars_nor_eyes_above_it() {
         }
         other => panic!("{other:?}"),
     }
+}
+
+/// Broken clouds lie between clear and overcast skies; natural light comes through their gaps alone.
+#[test]
+fn broken_clouds_let_natural_light_through() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let mut tables = synthetic::table_set(&[2.0, 3.0], 8);
+    tables.extend(synthetic::under_clouds(synthetic::table_set(&[2.0, 3.0], 8), 2_000));
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
+    let observatory = Observatory::new(engine, Vec::new(), data.path(), 2);
+    let asked = |broken_clouds| SkyRequest {
+        cloud_base_m: Some(2_000),
+        broken_clouds,
+        ..request(-1.35, 36.5, ObserverHeight::AboveGround(2.0))
+    };
+    let sky = |cover, pattern| {
+        let clouds = BrokenClouds::new(cover, pattern).unwrap();
+        observatory.sky_blocking(&asked(Some(clouds))).unwrap()
+    };
+    let clear = observatory.sky_blocking(&SkyRequest { cloud_base_m: None, ..asked(None) }).unwrap();
+    let overcast = observatory.sky_blocking(&asked(None)).unwrap();
+    assert_eq!(sky(0.0, None).seen, clear.seen);
+    assert_eq!(
+        sky(0.0, None).quantities.zenith_total_luminance_cd_m2,
+        clear.quantities.zenith_total_luminance_cd_m2
+    );
+    assert_eq!(sky(1.0, Some(4)).seen, overcast.seen);
+    let natural_cd_m2 = |sky: &RenderedSky| {
+        sky.quantities.zenith_total_luminance_cd_m2 - sky.quantities.zenith_luminance_cd_m2
+    };
+    let broken = sky(0.25, None);
+    assert!((natural_cd_m2(&broken) / natural_cd_m2(&clear) - 0.75).abs() < 1e-4);
+    assert_eq!((broken.quantities.bortle_class, broken.quantities.naked_eye_limit_mag), (None, None));
+    let added: Vec<f32> = (broken.seen_in_total().plane(1).iter().zip(broken.seen.plane(1)))
+        .map(|(total, artificial)| total - artificial)
+        .collect();
+    let dark = 0.75 * clear.context.dark.luminance_cd_m2() as f32;
+    assert!(added.iter().all(|added| (added / dark - 1.0).abs() < 1e-2));
+    // One pattern has clouds here and gaps there.
+    let one = sky(0.5, Some(4));
+    let gaps = one.gaps.as_ref().unwrap();
+    let share = |at: usize| gaps.share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT);
+    let total = one.seen_in_total();
+    let natural = |at: usize| total.plane(1)[at] - one.seen.plane(1)[at];
+    let places = 0..one.seen.plane(1).len();
+    assert!(places.clone().any(|at| share(at) == 0.0) && places.clone().any(|at| share(at) == 1.0));
+    assert!(places.filter(|at| share(*at) == 0.0).all(|at| natural(at) == 0.0));
 }

@@ -106,16 +106,22 @@ pub enum NaturalSky<'a> {
     /// The dark reference.
     Dark,
     /// That of an instant.
-    OfInstant {
-        /// Its kinds of light, dark where ground hides them.
-        parts: &'a [SkyPart],
-        /// What is seen of them, by the responses of [`SkyNumbers::seen`](crate::SkyNumbers::seen).
-        seen: &'a SeenSky,
-        /// Means over the meter's field of what comes straight from points of light.
-        points: &'a [NodeLight],
-        /// What comes straight from them to surfaces.
-        beams: &'a [BeamSums],
-    },
+    OfInstant(NaturalLight<'a>),
+    /// What comes through gaps between clouds: of stars nothing is said.
+    ThroughGaps(NaturalLight<'a>),
+}
+
+/// A natural sky that is not the same in every direction.
+#[derive(Clone, Copy, Debug)]
+pub struct NaturalLight<'a> {
+    /// Its kinds of light, dark where ground hides them.
+    pub parts: &'a [SkyPart],
+    /// What is seen of them, by the responses of [`SkyNumbers::seen`](crate::SkyNumbers::seen).
+    pub seen: &'a SeenSky,
+    /// Means over the meter's field of what comes straight from points of light.
+    pub points: &'a [NodeLight],
+    /// What comes straight from them to surfaces.
+    pub beams: &'a [BeamSums],
 }
 
 impl NaturalSky<'_> {
@@ -130,7 +136,9 @@ impl NaturalSky<'_> {
         match self {
             Self::Hidden => 0.0,
             Self::Dark => dark.value(response),
-            Self::OfInstant { parts, .. } => value_of(parts, &mean_kernels(parts, horizon, weight), response),
+            Self::OfInstant(light) | Self::ThroughGaps(light) => {
+                value_of(light.parts, &mean_kernels(light.parts, horizon, weight), response)
+            }
         }
     }
 
@@ -139,7 +147,9 @@ impl NaturalSky<'_> {
         let of_points = match self {
             Self::Hidden => return 0.0,
             Self::Dark => return dark.meter_value(&Response::Sqm),
-            Self::OfInstant { points, .. } => NodeLight::value(points, &Response::Sqm),
+            Self::OfInstant(light) | Self::ThroughGaps(light) => {
+                NodeLight::value(light.points, &Response::Sqm)
+            }
         };
         self.mean(dark, &Response::Sqm, horizon, meter_weight) + of_points
     }
@@ -155,9 +165,9 @@ impl NaturalSky<'_> {
         match self {
             Self::Hidden => None,
             Self::Dark => Some(SurfaceSums::of_even(dark.value(response), horizon, slope)),
-            Self::OfInstant { seen, beams, .. } => {
-                let plane = seen.seen_by(response).unwrap_or_default();
-                Some(SurfaceSums::of_plane(plane, slope).plus_beams(beams, response))
+            Self::OfInstant(light) | Self::ThroughGaps(light) => {
+                let plane = light.seen.seen_by(response).unwrap_or_default();
+                Some(SurfaceSums::of_plane(plane, slope).plus_beams(light.beams, response))
             }
         }
     }

@@ -17,8 +17,8 @@ pub use crate::{natural_sky::NaturalSky, sky_sums::ZENITH_CAP_RAD};
 
 /// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
 /// natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
-/// the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
-/// alone, and what speaks of stars is null.
+/// the sky, all are of the visible part. Nothing natural comes through clouds: under a closed layer totals are artificial light
+/// alone, and under any clouds what speaks of stars is null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = QuantitiesAnswer))]
 pub struct SkyQuantities {
@@ -119,7 +119,7 @@ impl SkyQuantities {
     /// All quantities of a sky of artificial light whose hidden samples are 0, as [`Horizon::darken`] leaves it.
     pub fn with(natural: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
         let quantities = Self::without_stars(natural, sky);
-        if matches!(natural, NaturalSky::Hidden) {
+        if matches!(natural, NaturalSky::Hidden | NaturalSky::ThroughGaps(_)) {
             return quantities;
         }
         let over_dark = quantities.zenith_total_luminance_cd_m2 / sky.dark.luminance_cd_m2();
@@ -223,7 +223,7 @@ mod tests {
     use super::*;
     use crate::{
         Panorama,
-        natural_sky::{NodeLight, even_sky},
+        natural_sky::{NaturalLight, NodeLight, even_sky},
         panorama::Direction,
         spectrum::{LampPreset, NODE_COUNT},
         surfaces::BeamSums,
@@ -334,7 +334,12 @@ mod tests {
         let (response, dark) = (&Response::Melanopic, &even_sky(1.7e-4, 0.0));
         let slope = Slope { steepness_rad: 0.4, downhill_azimuth_rad: 1.0 };
         let numbers = SkyNumbers { parts: &parts, seen: &seen, horizon: &open, response, dark, slope };
-        let sky = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points: &[], beams: &[] };
+        let sky = NaturalSky::OfInstant(NaturalLight {
+            parts: &natural,
+            seen: &natural_seen,
+            points: &[],
+            beams: &[],
+        });
         let found = SkyQuantities::with(sky, numbers);
         let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
         let seen = found.seen.as_ref().unwrap();
@@ -357,7 +362,8 @@ mod tests {
         let points = &[NodeLight { light: Arc::clone(&light), kernel: [kernel; NODE_COUNT] }];
         let zenith = Direction { azimuth_rad: 0.0, elevation_rad: PI / 2.0 };
         let beams = &[BeamSums::new(light, slope, [(zenith, [kernel; NODE_COUNT])].into_iter())];
-        let starry = NaturalSky::OfInstant { parts: &natural, seen: &natural_seen, points, beams };
+        let starry =
+            NaturalSky::OfInstant(NaturalLight { parts: &natural, seen: &natural_seen, points, beams });
         let with_stars = SkyQuantities::with(starry, numbers);
         let brighter = found.sqm_total_brightness_mag_arcsec2.unwrap()
             - with_stars.sqm_total_brightness_mag_arcsec2.unwrap();

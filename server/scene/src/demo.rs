@@ -2,7 +2,6 @@
 //! terrain. It is illustrative, not measured, and says so. Its rasters pass through the same ingest as any other.
 
 mod lights;
-mod noise;
 mod raster_file;
 mod relief;
 mod shapes;

@@ -33,6 +33,8 @@ export type SkyParameters = Pick<
   | "turbidity"
   | "scattering"
   | "clouds"
+  | "cloud_cover"
+  | "cloud_pattern"
   | "lamp"
   | "emission"
   | "direct_uplight"

@@ -4,7 +4,7 @@ import { api, type SkyParameters } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import { type AppState, CONDITIONS, coordinatesOf, isCompared, sceneOf, skyConditions } from "../state/app-state.ts";
+import { type AppState, CONDITIONS, coordinatesOf, isCompared, sceneOf, skyConditions, withCloudPattern } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 
@@ -83,7 +83,7 @@ export class SkySession {
       performance.measure("sky:numbers", "sky:asked");
       const both = beside === null ? [shown] : [shown, beside];
       const [answers, other] = await Promise.all([
-        Promise.all(both.map((query) => api.panorama(scene, query, signal))),
+        Promise.all(both.map((query) => api.panorama(scene, withCloudPattern(query), signal))),
         compared === null ? null : api.sky(scene, compared, signal),
         // What draws it: whoever is told of a picture then sees one.
         import("../sky/sky-view.ts"),

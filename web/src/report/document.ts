@@ -5,7 +5,7 @@ import { placeWords, reportWords, words } from "../language/words.ts";
 import type { Change } from "../lights/plan-request.ts";
 import type { ViewState } from "../state/view-state.ts";
 import { timeWithClock } from "../ui/captioned.ts";
-import { cloudsTitle } from "../ui/clouds.ts";
+import { assumedClouds } from "../ui/clouds.ts";
 import { inEnglish, make } from "../ui/dom.ts";
 import { coordinates, fixed, shortNumber } from "../ui/format.ts";
 import { emissionTitle, lampTitle } from "../ui/lamps.ts";
@@ -80,7 +80,7 @@ function assumptions({ scene, today: { answer } }: ReportData, shown: Shown): HT
   const known = facts([
     [say.turbidity, fixed(answer.turbidity, 1)],
     [say.scattering, scatteringTitle(answer.scattering)],
-    [say.clouds, cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds))],
+    [say.clouds, assumedClouds(answer)],
     [say.lamps, lampTitle(shown.lamp)],
     [say.emission, [emissionTitle(shown.emission), ...shares].join("; ")],
     [numbers.terrainHides, terrainTitle(answer)],

@@ -182,11 +182,15 @@ export function isCompared({ scenario, lights }: State): boolean {
   return scenario !== null && lights === "both";
 }
 
-/** Fields that `conditionsOf` depends on. */
+/** The pattern of clouds that pictures show. */
+const CLOUD_PATTERN = 1;
+
+/** Fields that `conditionsOf` depends on, and `skyConditions` but for the time. */
 export const CONDITIONS = [
   "turbidity",
   "scattering",
   "clouds",
+  "cloudCover",
   "lamp",
   "emission",
   "directUplight",
@@ -224,7 +228,17 @@ export function pictureConditions(state: State): Conditions {
 
 /** Those of the sky's numbers: of the picture's, at the time that is chosen. */
 export function skyConditions(state: State): SkyConditions {
-  return { ...pictureConditions(state), ...(state.time === null ? {} : { time: state.time }) };
+  const { clouds, cloudCover, time } = state;
+  return {
+    ...pictureConditions(state),
+    ...(clouds === null || cloudCover >= 100 ? {} : { cloud_cover: cloudCover / 100 }),
+    ...(time === null ? {} : { time }),
+  };
+}
+
+/** The same for a picture, in which clouds stand where one of their patterns has them: the mean of all would be a haze. */
+export function withCloudPattern<P extends { cloud_cover?: number }>(parameters: P): P & { cloud_pattern?: number } {
+  return parameters.cloud_cover === undefined ? parameters : { ...parameters, cloud_pattern: CLOUD_PATTERN };
 }
 
 export function todaysConditions(state: State): Omit<Conditions, "scenario"> {

@@ -97,6 +97,7 @@ export function stateFromFragment(fragment: string): ViewState {
     turbidity: numberIn(query.get("turbidity"), 1, 100),
     scattering: SCATTERINGS.find((name) => name === query.get("scattering")) ?? null,
     clouds: numberIn(matching(query.get("clouds"), /^[0-9]+$/), 200, 12_000),
+    cloudCover: numberIn(query.get("cover"), 0, 100) ?? DEFAULT_STATE.cloudCover,
     lamp: matching(query.get("lamp"), /^[a-z0-9_.,:]{1,4096}$/) ?? DEFAULT_STATE.lamp,
     emission: emissionFromText(query.get("emission")),
     directUplight: numberIn(query.get("uplight"), 0, 1),
@@ -141,6 +142,7 @@ export function fragmentFromState(state: ViewState): string {
   add("turbidity", state.turbidity, null);
   add("scattering", state.scattering, null);
   add("clouds", state.clouds, null);
+  if (state.clouds !== null) add("cover", state.cloudCover, DEFAULT_STATE.cloudCover);
   add("lamp", state.lamp, DEFAULT_STATE.lamp);
   add("emission", state.emission, DEFAULT_STATE.emission);
   add("uplight", state.directUplight, null);

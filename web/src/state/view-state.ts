@@ -72,6 +72,8 @@ export interface ViewState {
   scattering: ScatteringName | null;
   /** Base of a closed layer of cloud above sea level, metres; null: a clear sky. */
   clouds: number | null;
+  /** Per cent of that layer that is cloud; 100: all of it. */
+  cloudCover: number;
   lamp: string;
   emission: string;
   /** Share of the lamps' light that goes above the horizon directly, 0..1; null: that of the emission. */
@@ -116,6 +118,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   turbidity: null,
   scattering: null,
   clouds: null,
+  cloudCover: 100,
   lamp: "mixed",
   emission: "modern_city",
   directUplight: null,

@@ -4,7 +4,7 @@ import { words } from "../language/words.ts";
 import { type AppState, packsOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { DEFAULT_TURBIDITY, SCATTERINGS } from "../state/view-state.ts";
-import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
+import { cloudBases, cloudsTitle, coverTitle, packsUnder } from "./clouds.ts";
 import { byId, debounced, make } from "./dom.ts";
 import { decimal, fixed } from "./format.ts";
 import { clampTurbidity, residentScatterings, scatteringTitle, turbidityRange } from "./scattering.ts";
@@ -27,6 +27,8 @@ export class AirControls {
   private readonly turbidityValue = byId("turbidity-value", HTMLOutputElement);
   private readonly scattering = byId("scattering", HTMLSelectElement);
   private readonly clouds = byId("clouds", HTMLSelectElement);
+  private readonly cover = byId("cloud-cover", HTMLInputElement);
+  private readonly coverValue = byId("cloud-cover-value", HTMLOutputElement);
 
   constructor(private readonly store: AppStore) {
     const setSoon = debounced(WAIT_MS, (turbidity: number) => store.set({ turbidity }));
@@ -38,7 +40,12 @@ export class AirControls {
     this.clouds.addEventListener("change", () => {
       this.chooseClouds(this.clouds.value === NO_CLOUDS ? null : Number(this.clouds.value));
     });
-    store.watch(["atmospheres", "clouds", "scattering", "turbidity"], (state) => this.show(state));
+    const coverSoon = debounced(WAIT_MS, (cloudCover: number) => store.set({ cloudCover }));
+    this.cover.addEventListener("input", () => {
+      this.showCover();
+      coverSoon(Number(this.cover.value));
+    });
+    store.watch(["atmospheres", "clouds", "cloudCover", "scattering", "turbidity"], (state) => this.show(state));
   }
 
   private chooseScattering(): void {
@@ -60,12 +67,15 @@ export class AirControls {
   }
 
   private show(state: Readonly<AppState>): void {
-    const { atmospheres, clouds, scattering } = state;
+    const { atmospheres, clouds, cloudCover, scattering } = state;
     const bases = cloudBases(atmospheres);
     const choices = [null, ...bases].map((base) => [String(base ?? NO_CLOUDS), cloudsTitle(base)] as const);
     fillSelect(this.clouds, choices, String(clouds ?? NO_CLOUDS));
     // A choice of one is none.
     byId("clouds-field", HTMLElement).hidden = bases.length === 0;
+    byId("cloud-cover-field", HTMLElement).hidden = clouds === null;
+    this.cover.value = String(cloudCover);
+    this.showCover();
     const packs = packsOf(state);
     const resident = residentScatterings(packs);
     const [best] = resident;
@@ -88,6 +98,13 @@ export class AirControls {
       make("span", "", words().assumptions.minTurbidity(decimal(min))),
       make("span", "", words().assumptions.maxTurbidity(decimal(max))),
     );
+  }
+
+  private showCover(): void {
+    const percent = Number(this.cover.value);
+    this.coverValue.value = coverTitle(percent);
+    this.cover.setAttribute("aria-valuetext", this.coverValue.value);
+    byId("cloud-cover-note", HTMLElement).hidden = percent >= 100;
   }
 
   private showTurbidity(): void {

@@ -29,7 +29,7 @@ export function timeWithClock(time: string | null, { longitude_deg }: Place): st
 /** The lines below the picture; the first names the place. */
 export function captionLines(
   { place, name, scene, answer, shares }: Captioned,
-  { time, lamp, clouds, scenario, lights }: Pick<ViewState, "time" | "lamp" | "clouds" | "scenario" | "lights">,
+  { time, lamp, clouds, cloudCover, scenario, lights }: Pick<ViewState, "time" | "lamp" | "clouds" | "cloudCover" | "scenario" | "lights">,
 ): string[] {
   const say = { ...words(), ...placeWords() };
   const at = coordinates(place.latitude_deg, place.longitude_deg);
@@ -41,7 +41,7 @@ export function captionLines(
     ...(scenario === null || lights === "today" ? [] : [changed]),
     `${say.assumptions.turbidity} ${fixed(answer.turbidity, 1)}`,
     `${say.assumptions.lamps}: ${lampTitle(lamp)}`,
-    `${say.assumptions.clouds}: ${cloudsTitle(clouds)}`,
+    `${say.assumptions.clouds}: ${cloudsTitle(clouds, cloudCover / 100)}`,
   ];
   const illustrative = scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? say.scene.illustrative : "";
   const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];

@@ -2,6 +2,7 @@
 
 import type { Atmosphere } from "../api/types.ts";
 import { words } from "../language/words.ts";
+import { fixed } from "./format.ts";
 
 type Pack = Pick<Atmosphere, "cloud_base_m">;
 
@@ -16,7 +17,19 @@ export function cloudBases(packs: readonly Pack[]): number[] {
   return [...new Set(bases)].sort((a, b) => a - b);
 }
 
-/** What a choice of clouds is called. */
-export function cloudsTitle(clouds: number | null): string {
-  return clouds === null ? words().assumptions.noClouds : words().assumptions.closedClouds(clouds);
+/** What a choice of clouds is called; of a layer with gaps, with the share of it that is cloud, 0 to 1. */
+export function cloudsTitle(clouds: number | null, cover = 1): string {
+  const { noClouds, closedClouds, brokenClouds } = words().assumptions;
+  if (clouds === null) return noClouds;
+  return cover >= 1 ? closedClouds(clouds) : brokenClouds(clouds, coverTitle(100 * cover));
+}
+
+/** The clouds that an answer assumes. */
+export function assumedClouds({ clouds, cloud_cover }: { clouds: string; cloud_cover?: number | null }): string {
+  return cloudsTitle(clouds === "none" ? null : Number(clouds), cloud_cover ?? 1);
+}
+
+/** A cover in per cent. */
+export function coverTitle(percent: number): string {
+  return `${fixed(percent, 0)} %`;
 }

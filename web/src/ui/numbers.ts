@@ -8,7 +8,7 @@ import type { BrightnessUnit } from "../sky/units.ts";
 import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { ViewState } from "../state/view-state.ts";
-import { cloudsTitle } from "./clouds.ts";
+import { assumedClouds } from "./clouds.ts";
 import { byId, inEnglish, make } from "./dom.ts";
 import { decimal, fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
 import { lampTitle } from "./lamps.ts";
@@ -174,7 +174,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
     row(say.coverage, fixed(100 * answer.coverage, answer.coverage > 0.995 ? 0 : 1), "%", "coverage"),
     row(say.air, fixed(depthNear550(answer.local_optical_depth), 3), say.opticalDepth, "optical_depth"),
     row(words().assumptions.scattering, scatteringTitle(answer.scattering), "", "scattering", ground),
-    row(words().assumptions.clouds, cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds)), "", "clouds"),
+    row(words().assumptions.clouds, assumedClouds(answer), "", "clouds"),
     row(say.terrainHides, terrainTitle(answer), "", "terrain_occlusion"),
   );
 

@@ -5,7 +5,7 @@ import { isOfLight } from "../sky/colour-maps.ts";
 import { gazeOf, viewedPart } from "../sky/gaze.ts";
 import { scaleEndsIn } from "../sky/scale.ts";
 import { unitFor } from "../sky/units.ts";
-import { type AppState, seenOf } from "../state/app-state.ts";
+import { type AppState, seenOf, withCloudPattern } from "../state/app-state.ts";
 
 type PictureQuery = Parameters<typeof urlOf<"/api/v1/scenes/{scene}/panorama.png">>[2];
 /** How it differs from what the page shows. */
@@ -23,6 +23,6 @@ export function pictureUrl(scene: string, parameters: SkyParameters, state: AppS
     : ({ scale: "magnitude" } as const);
   const kept = colours === "eye" && state.adaptationCdM2 !== null ? { adaptation: state.adaptationCdM2 } : {};
   const style = isOfLight(colours) ? ({ style: colours, exposure: exposureEv, ...kept } as const) : { colormap: colours, ...scale };
-  const picture = { ...parameters, projection, ...view, sky, ...style, ...more } as const;
+  const picture = { ...withCloudPattern(parameters), projection, ...view, sky, ...style, ...more } as const;
   return urlOf("/api/v1/scenes/{scene}/panorama.png", { scene }, picture);
 }

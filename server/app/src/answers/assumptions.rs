@@ -10,8 +10,8 @@ use skyglow_observatory::{
     InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
 use skyglow_physics::{
-    BAND_COUNT, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe, Response,
-    spectrum::Colour,
+    BAND_COUNT, BrokenClouds, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe,
+    Response, spectrum::Colour,
 };
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use std::collections::BTreeMap;
@@ -159,6 +159,10 @@ pub struct Assumptions {
     pub clouds: String,
     /// Lambertian albedo of that base from below; null where there are no clouds.
     pub cloud_albedo: Option<f64>,
+    /// Share of that layer that is cloud; null where there are no clouds.
+    pub cloud_cover: Option<f64>,
+    /// Which pattern of clouds; null for the mean of all, and where the layer is closed.
+    pub cloud_pattern: Option<u32>,
     /// What stands for the natural sky where no time is asked for.
     pub dark_reference: DarkReferenceAnswer,
     /// The time that the natural sky is of; absent where none was asked for, and it is the dark reference.
@@ -228,6 +232,8 @@ impl Assumptions {
             emission: request.emission.into(),
             clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(request),
+            cloud_cover: request.cloud_base_m.map(|_| request.broken_clouds.map_or(1.0, BrokenClouds::cover)),
+            cloud_pattern: request.broken_clouds.and_then(BrokenClouds::pattern),
             dark_reference: DarkReferenceAnswer::new(&context.dark, &request.response),
             time: request.time.map(|time| time.instant.to_rfc3339()),
             solar_flux_sfu: request.time.map(|time| time.solar_flux_sfu),
@@ -292,11 +298,18 @@ fn below_ground_warning(altitude_m: f64, ground: Ground) -> Option<String> {
 
 /// What is said under clouds, where some numbers are not what their names lead one to think.
 fn cloud_warning(request: &SkyRequest) -> Option<String> {
-    request.cloud_base_m.map(|_| {
-        "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
-         class nor limiting magnitude"
-            .to_owned()
-    })
+    request.cloud_base_m?;
+    let said = match request.broken_clouds {
+        None => {
+            "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
+             class nor limiting magnitude"
+        }
+        Some(_) => {
+            "natural light comes through the gaps between the clouds alone, and none shines on them from above; there is \
+             neither Bortle class nor limiting magnitude"
+        }
+    };
+    Some(said.to_owned())
 }
 
 /// Whether light counts only above the skyline that its source sees towards the observer.

@@ -75,7 +75,7 @@ fn short(degrees: f64) -> f64 {
     (degrees * 1e3).round() / 1e3
 }
 
-/// Artificial light as X, Y, Z, the dark-adapted eye and the response that was asked for see it, and at a time all light, with those
+/// Artificial light as X, Y, Z, the dark-adapted eye and the response that was asked for see it, and at a time or under broken clouds all light, with those
 /// of `bodies` that are seen.
 ///
 /// # Errors
@@ -85,7 +85,7 @@ pub fn compact_panorama(
     sky: &RenderedSky,
     bodies: &SkyBodies,
 ) -> Result<Vec<u8>, serde_json::Error> {
-    let total = sky.night.is_some().then(|| sky.seen_in_total());
+    let total = (sky.night.is_some() || sky.gaps.is_some()).then(|| sky.seen_in_total());
     let mut planes = Vec::new();
     let mut group = |seen: &SeenSky, light: Light| {
         let coded = LogPlane::of_sky(seen, &sky.horizon);

@@ -81,8 +81,11 @@ impl From<&ComponentSky> for ComponentAnswer {
 }
 
 impl NightSkyAnswer {
-    /// Of a rendered sky; None where it has none.
+    /// Of a rendered sky; None where it has none, and under clouds, which hide stars or not.
     pub fn of(sky: &RenderedSky) -> Option<Self> {
+        if sky.gaps.is_some() {
+            return None;
+        }
         let (night, total) = (sky.night.as_ref()?, sky.seen_in_total());
         let stars = night.seen_stars(total.seen_by(&Response::Photopic)?, &sky.horizon);
         Some(Self {

@@ -13,7 +13,7 @@ use crate::{
 use skyglow_celestial::{CelestialError, Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
 use skyglow_display::Sky;
 use skyglow_observatory::{BrightnessRequest, MapMeasure, ObserverHeight, SkyRequest, SkyTime};
-use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
+use skyglow_physics::{BrokenClouds, Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
 
@@ -91,6 +91,7 @@ pub(super) struct Conditions {
     turbidity: Turbidity,
     scattering: Scattering,
     cloud_base_m: Option<u32>,
+    broken_clouds: Option<BrokenClouds>,
     lamp: Lamp,
     response: Response,
     emission: Emission,
@@ -107,8 +108,8 @@ impl Conditions {
         place: GeoPoint,
         observer_height: ObserverHeight,
     ) -> SkyRequest {
-        let Self { turbidity, scattering, cloud_base_m, emission, basis, tolerance, terrain_hides, .. } =
-            *self;
+        let Self { turbidity, scattering, cloud_base_m, broken_clouds, emission, .. } = *self;
+        let Self { basis, tolerance, terrain_hides, .. } = *self;
         SkyRequest {
             scene,
             scenario: self.scenario.clone(),
@@ -117,6 +118,7 @@ impl Conditions {
             turbidity,
             scattering,
             cloud_base_m,
+            broken_clouds,
             lamp: self.lamp.clone(),
             response: self.response.clone(),
             emission,
@@ -166,6 +168,7 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
     let cloud_base_m = read_clouds(reader, facts);
     let kind = cloud_base_m.and_then(|cloud_base_m| read_kind(reader, facts, cloud_base_m));
     let turbidity = read_turbidity(reader, facts, kind);
+    let broken_clouds = read_broken_clouds(reader, facts, cloud_base_m, (kind, turbidity));
     let lamp = read_lamp(reader);
     let response = read_response(reader);
     let emission = read_emission(reader);
@@ -178,6 +181,7 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
         turbidity: turbidity?,
         scattering: kind?.scattering,
         cloud_base_m: cloud_base_m?,
+        broken_clouds,
         lamp,
         response,
         emission,
@@ -281,6 +285,34 @@ fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> 
     };
     reader.fail(&p::CLOUDS, ValidationCode::NotResident, None, Some(allowed));
     None
+}
+
+/// How much of a layer of cloud is cloud; None where all of it is, there is none, or something is refused.
+fn read_broken_clouds(
+    reader: &mut Reader,
+    facts: &SourceFacts,
+    cloud_base_m: Option<Option<u32>>,
+    (kind, turbidity): (Option<&KindFacts>, Option<Turbidity>),
+) -> Option<BrokenClouds> {
+    let (cover, pattern) = (reader.number(&p::CLOUD_COVER), reader.integer(&p::CLOUD_PATTERN));
+    let is_given = |reader: &Reader, parameter: &p::Parameter| reader.text(parameter).is_some();
+    for (parameter, needed, is_there) in [
+        (&p::CLOUD_COVER, &p::CLOUDS, cloud_base_m != Some(None)),
+        (&p::CLOUD_PATTERN, &p::CLOUD_COVER, is_given(reader, &p::CLOUD_COVER)),
+    ] {
+        if is_given(reader, parameter) && !is_there {
+            let message = Some(format!("means nothing without `{}`", needed.name));
+            reader.fail(parameter, ValidationCode::Conflict, message, None);
+        }
+    }
+    let cover = cover.filter(|cover| *cover < 1.0)?;
+    let (kind, turbidity) = (kind?, turbidity?);
+    let mut clear = facts.kinds_under(None).filter(|clear| clear.scattering == kind.scattering);
+    if !clear.any(|clear| clear.serves(turbidity.value())) {
+        let allowed = "1: there are no packs for the clear sky between clouds".to_owned();
+        reader.fail(&p::CLOUD_COVER, ValidationCode::NotResident, None, Some(allowed));
+    }
+    BrokenClouds::new(cover, pattern).ok()
 }
 
 fn read_basis(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFacts>) -> Option<usize> {

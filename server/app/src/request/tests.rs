@@ -7,7 +7,7 @@ use crate::{
 };
 use skyglow_display::{PictureOptions, Projection};
 use skyglow_observatory::ObserverHeight;
-use skyglow_physics::{Emission, GarstangLaw, LampPreset, Turbidity};
+use skyglow_physics::{BrokenClouds, Emission, GarstangLaw, LampPreset, Turbidity};
 use skyglow_tables::{Clouds, Scattering};
 
 pub(super) fn facts() -> SourceFacts {
@@ -161,6 +161,41 @@ fn clouds_are_those_that_are_resident() {
     ] {
         let errors = read(query).unwrap_err().field_errors().to_vec();
         assert_eq!((errors.len(), errors[0].allowed.as_str()), (1, allowed), "{query}");
+    }
+}
+
+/// Broken clouds need a layer, and packs for the sky between them.
+#[test]
+fn broken_clouds_need_a_layer_and_a_clear_sky() {
+    let mut facts = facts();
+    let under = |base_m, range| KindFacts {
+        clouds: Some(Clouds::new(base_m, 0.5).unwrap()),
+        ..kind(Scattering::Single, range, 32)
+    };
+    facts.kinds.push(under(1_000, (2.0, 9.0)));
+    let read = |query: &str| {
+        panorama(Some(&format!("lat=-1&lon=36{query}")), SceneId::parse("demo").unwrap(), &facts, Format::Png)
+    };
+    let broken = |query: &str| read(query).unwrap().0.broken_clouds;
+    let with_clouds = |query: &str| broken(&format!("&clouds=1000{query}"));
+    assert_eq!((with_clouds(""), with_clouds("&cloud_cover=1&cloud_pattern=2")), (None, None));
+    assert_eq!(with_clouds("&cloud_cover=0.25"), BrokenClouds::new(0.25, None).ok());
+    assert_eq!(with_clouds("&cloud_cover=0&cloud_pattern=7"), BrokenClouds::new(0.0, Some(7)).ok());
+    assert_eq!(read("&clouds=1000&cloud_cover=0.5&sky=total").unwrap().1.options.sky, Sky::Total);
+    for (query, parameter, code) in [
+        ("&cloud_cover=0.5", "cloud_cover", ValidationCode::Conflict),
+        ("&clouds=none&cloud_cover=0.5", "cloud_cover", ValidationCode::Conflict),
+        ("&clouds=1000&cloud_pattern=1", "cloud_pattern", ValidationCode::Conflict),
+        ("&clouds=1000&cloud_cover=1.5", "cloud_cover", ValidationCode::NotAllowed),
+        ("&clouds=1000&cloud_cover=0.5&cloud_pattern=0", "cloud_pattern", ValidationCode::NotAllowed),
+        ("&clouds=1000&cloud_cover=0.5&turbidity=8.5", "cloud_cover", ValidationCode::NotResident),
+    ] {
+        let errors = read(query).unwrap_err().field_errors().to_vec();
+        assert_eq!(
+            (errors.len(), errors[0].parameter.as_str(), errors[0].code),
+            (1, parameter, code),
+            "{query}"
+        );
     }
 }
 

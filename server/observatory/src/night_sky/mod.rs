@@ -17,7 +17,7 @@ use serde::Serialize;
 use skipping::Skipping;
 use skyglow_celestial::{Component, Heavens, Instant, IrradianceGrid, PointLight, Site};
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, BeamSums, Direction, ELEVATION_COUNT, GeoPoint, Horizon, NaturalSky,
+    AZIMUTH_COUNT, BAND_COUNT, BeamSums, Direction, ELEVATION_COUNT, Gaps, GeoPoint, Horizon, NaturalLight,
     NodeLight, Panorama, Response, SeenSky, SkyPart, Slope, Turbidity,
     beam::apparent_altitude_rad,
     natural_sky::meter_mean_of_points,
@@ -49,6 +49,8 @@ pub struct Overhead<'a> {
     pub horizon: &'a Horizon,
     /// Turbidity at sea level.
     pub turbidity: Turbidity,
+    /// Between them clouds hide the sky; None under a clear one.
+    pub gaps: Option<&'a Gaps>,
 }
 
 /// One component of the natural sky.
@@ -171,8 +173,8 @@ impl NightSky {
     }
 
     /// For quantities, with its [`Self::beams`].
-    pub(crate) fn as_natural_sky<'a>(&'a self, beams: &'a [BeamSums]) -> NaturalSky<'a> {
-        NaturalSky::OfInstant { parts: &self.parts, seen: &self.seen, points: &self.in_meter, beams }
+    pub(crate) fn natural_light<'a>(&'a self, beams: &'a [BeamSums]) -> NaturalLight<'a> {
+        NaturalLight { parts: &self.parts, seen: &self.seen, points: &self.in_meter, beams }
     }
 
     /// What the responses that it was made for see of all of them.
@@ -236,6 +238,9 @@ impl Maker<'_> {
             self.add_direct(component, &mut kernel);
         }
         self.over.horizon.darken(&mut kernel);
+        if let Some(gaps) = self.over.gaps {
+            gaps.dim(&mut kernel);
+        }
         Some(SkyPart { light: Arc::clone(component.light()), kernel })
     }
 
@@ -320,7 +325,11 @@ impl Maker<'_> {
         }
         let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
         let through = self.tables.transmittance(self.over.turbidity, zenith_rad, self.over.altitude_m);
-        let irradiance = std::array::from_fn(|band| through[band] * point.irradiance[band]);
+        let gap = self.over.gaps.map_or(1.0, |gaps| gaps.towards(direction));
+        if gap == 0.0 {
+            return None;
+        }
+        let irradiance = std::array::from_fn(|band| gap * through[band] * point.irradiance[band]);
         Some(ThroughAir { direction, magnitude_v: point.magnitude_v, irradiance })
     }
 }

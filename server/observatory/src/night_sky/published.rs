@@ -97,6 +97,7 @@ fn moonless_zeniths(solar_flux_sfu: f64) -> Vec<f64> {
         altitude_m: 2_635.0,
         horizon: &Horizon::flat(),
         turbidity: air(1.5),
+        gaps: None,
     };
     let first = Instant::parse("2026-01-18T02:40:00Z").unwrap();
     let of = |hour: usize| {
@@ -151,6 +152,7 @@ fn bands_of_altitude_are_those_of_gambons() {
         altitude_m: 100.0,
         horizon: &Horizon::flat(),
         turbidity: air(1.0 + 0.056 / 0.0973),
+        gaps: None,
     };
     let instant = Instant::parse("2026-08-20T23:16:00Z").unwrap();
     let bands = |solar_flux_sfu: f64| {

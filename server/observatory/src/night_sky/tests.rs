@@ -15,6 +15,7 @@ pub(super) fn sky(utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky 
         altitude_m: 100.0,
         horizon,
         turbidity: Turbidity::new(2.5).unwrap(),
+        gaps: None,
     };
     let time = SkyTime { instant: Instant::parse(utc).unwrap(), solar_flux_sfu: 100.0 };
     NightSky::with(&TABLES, &over, time, &SKY_RESPONSES, skipping).unwrap()
@@ -153,6 +154,7 @@ fn no_minute_of_a_day_jumps() {
             altitude_m: 0.0,
             horizon: &open,
             turbidity: Turbidity::new(2.5).unwrap(),
+            gaps: None,
         };
         let from = Instant::parse(from_utc).unwrap();
         let logs: Vec<Vec<f64>> = (0..minutes)

@@ -30,6 +30,7 @@ pub(crate) fn sky(turbidity: f64, latitude_deg: f64, longitude_deg: f64) -> SkyR
         turbidity: Turbidity::new(turbidity).unwrap(),
         scattering: Scattering::Single,
         cloud_base_m: None,
+        broken_clouds: None,
         lamp: LampPreset::Mixed.lamp(),
         response: Response::Photopic,
         emission: EmissionMix::garstang().into(),

@@ -4,12 +4,12 @@
 //! nearly proportional to it, as found for towns in satellite images (0.4 DNB watts per inhabitant here; 0.03 in Kenya in the
 //! composite of 2023). The core falls off faster than exponentially; a faint skirt of suburbs and villages surrounds it.
 
-use super::noise;
 use super::raster_file::RasterSpec;
 use super::relief::Relief;
 use super::towns::{TOWNS, Town};
 use skyglow_physics::GeoPoint;
 use skyglow_physics::geometry::LocalFrame;
+use skyglow_physics::value_noise as noise;
 
 /// A town of ten thousand: peak radiance, nW cm⁻² sr⁻¹, and radius of its core, km.
 const SMALL_TOWN_PEAK_NW_CM2_SR: f64 = 20.0;

@@ -1,11 +1,11 @@
 //! Synthetic terrain: mountain chains along their real lines with ridged fractal noise, plains by inverse distance weighting of
 //! the towns' altitudes (Shepard 1968), valleys, lakes and the sea.
 
-use super::noise;
 use super::raster_file::RasterSpec;
 use super::shapes::{Line, is_inside, map_km, smooth_step};
 use super::towns::TOWNS;
 use glam::DVec2;
+use skyglow_physics::value_noise as noise;
 
 /// Points of a line: latitude, longitude, and a height or altitude in metres.
 type Course = [(f64, f64, f64)];

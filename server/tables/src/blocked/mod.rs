@@ -77,12 +77,14 @@ impl BlockedAxes {
         }
     }
 
-    /// The same below a layer of cloud.
+    /// The same below a layer of cloud: the edge of a skyline's shadow on it is as sharp as the spot that a light makes there, and
+    /// takes as many functions.
     pub fn below(mut self, clouds: Clouds) -> Self {
         if let Some(later) = &mut self.later {
             later.ground_altitude_m = altitudes_below(&later.ground_altitude_m, clouds);
         }
-        Self { observer_altitude_m: altitudes_below(&self.observer_altitude_m, clouds), ..self }
+        let observer_altitude_m = altitudes_below(&self.observer_altitude_m, clouds);
+        Self { observer_altitude_m, basis_count: 2 * self.basis_count, ..self }
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.

@@ -149,6 +149,10 @@ export const page: PageWords = {
     clouds: "Wolken",
     noClouds: "keine, klarer Himmel",
     closedClouds: (baseM) => `geschlossen, ab ${baseM} m Höhe`,
+    brokenClouds: (baseM, cover) => `über ${cover} des Himmels, ab ${baseM} m Höhe`,
+    cloudCover: "Davon bedeckt",
+    cloudCoverNote:
+      "Die Zahlen sind das Mittel aller solchen Himmel; das Bild zeigt einen. Wessen Licht es ist, gilt für eine geschlossene Decke.",
     lamps: "Lampen",
     emission: "Abschirmung der Lampen",
     emissionShares: "Anteile ihres Lichts",

@@ -53,6 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         altitude_m: arguments.altitude_m,
         horizon: &horizon,
         turbidity: arguments.turbidity,
+        gaps: None,
     };
     let mut sky = None;
     let mut times_ms = Vec::new();

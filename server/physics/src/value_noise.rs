@@ -23,7 +23,7 @@ fn smooth(x: f64, y: f64, seed: u64) -> f64 {
 }
 
 /// Octaves of smooth noise, each half as large and twice as fine; 0..1, mean ½.
-pub(super) fn octaves(x: f64, y: f64, count: u32, seed: u64) -> f64 {
+pub fn octaves(x: f64, y: f64, count: u32, seed: u64) -> f64 {
     let (mut sum, mut weight, mut total, mut scale) = (0.0, 1.0, 0.0, 1.0);
     for octave in 0..count {
         sum += weight * smooth(x * scale, y * scale, seed + u64::from(octave));
@@ -35,7 +35,7 @@ pub(super) fn octaves(x: f64, y: f64, count: u32, seed: u64) -> f64 {
 }
 
 /// The same with creases, as mountains have: 1 on ridges, 0 in the valleys between.
-pub(super) fn ridges(x: f64, y: f64, count: u32, seed: u64) -> f64 {
+pub fn ridges(x: f64, y: f64, count: u32, seed: u64) -> f64 {
     let (mut sum, mut weight, mut total, mut scale) = (0.0, 1.0, 0.0, 1.0);
     for octave in 0..count {
         let crease = 1.0 - (2.0 * smooth(x * scale, y * scale, seed + u64::from(octave)) - 1.0).abs();

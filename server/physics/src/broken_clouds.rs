@@ -1,0 +1,194 @@
+//! Broken clouds: a flat layer of cloud with gaps, as the mean of all patterns or as one pattern of fractal value noise
+//! (`docs/model.md#broken-clouds`).
+//!
+//!   L = (1 − m)·[c·L_below + (1 − c)·L_clear] + m·L_overcast
+//!
+//! m is the share of cloud in the direction, c the cover. What air above the layer scatters has had to find a gap on its way up too;
+//! L_below is what air below it scatters, of which only the sum with what the layer reflects is known, L_overcast:
+//!
+//!   L_below ≈ min(L_clear, L_overcast / (1 + (sin e / 0.35)²)),   e: elevation
+
+use crate::{
+    error::{PhysicsError, check_range},
+    geometry::EARTH_RADIUS_M,
+    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, elevation_rad},
+    value_noise::octaves,
+};
+use serde::Serialize;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Size of the largest clouds and gaps of a pattern, metres.
+const CLOUD_SIZE_M: f64 = 2_000.0;
+/// Octaves of a pattern: the finest is 60 m.
+const OCTAVES: u32 = 6;
+/// Width of a cloud's edge, in values of the noise.
+const EDGE: f64 = 0.04;
+/// Samples of a pattern that its threshold is found from, each way, and how many sizes of a cloud lie between two.
+const THRESHOLD_SAMPLES: usize = 96;
+const THRESHOLD_STEP: f64 = 0.73;
+/// Steps of the additive recurrence R2 in two dimensions (Roberts 2018).
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+/// Rays through a sample of the panorama each way, and below the elevation where the layer is seen at a slant.
+const RAYS: usize = 2;
+const SLANT_RAYS: usize = 6;
+const SLANT_RAD: f64 = 0.35;
+/// Sine of the elevation at which half of what comes from under the layer is scattered by air, not reflected.
+const HALF_BELOW_SINE: f64 = 0.35;
+
+/// How much of the sky a layer of cloud covers, and which sky of that cover is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BrokenClouds {
+    cover: f64,
+    pattern: Option<u32>,
+}
+
+impl BrokenClouds {
+    /// Checks the cover, 0..=1. `pattern` names one sky of that cover; None is the mean of all of them.
+    ///
+    /// # Errors
+    /// [`PhysicsError::OutOfRange`] naming `cloud_cover`.
+    pub fn new(cover: f64, pattern: Option<u32>) -> Result<Self, PhysicsError> {
+        Ok(Self { cover: check_range("cloud_cover", cover, 0.0, 1.0, "")?, pattern })
+    }
+
+    /// Share of the layer that is cloud, 0..=1.
+    pub fn cover(self) -> f64 {
+        self.cover
+    }
+
+    /// One sky of that cover; None for the mean of all.
+    pub fn pattern(self) -> Option<u32> {
+        self.pattern
+    }
+
+    /// The gaps that an eye sees in a layer whose base is `above_eye_m` above it.
+    pub fn gaps(self, above_eye_m: f64) -> Gaps {
+        let cover = self.cover as f32;
+        let Some(pattern) = self.pattern.filter(|_| 0.0 < self.cover && self.cover < 1.0) else {
+            return Gaps { cover, shares: vec![1.0 - cover; ELEVATION_COUNT * AZIMUTH_COUNT] };
+        };
+        let layer = Layer::new(self.cover, u64::from(pattern), above_eye_m.max(1.0));
+        let share = |at: usize| layer.gap_share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT) as f32;
+        Gaps { cover, shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).map(share).collect() }
+    }
+}
+
+/// One pattern over an eye.
+struct Layer {
+    pattern: u64,
+    /// Noise above it is cloud.
+    threshold: f64,
+    above_eye_m: f64,
+}
+
+impl Layer {
+    fn new(cover: f64, pattern: u64, above_eye_m: f64) -> Self {
+        let layer = Self { pattern, threshold: 0.0, above_eye_m };
+        let at = |place: usize| place as f64 * THRESHOLD_STEP * CLOUD_SIZE_M;
+        let count = THRESHOLD_SAMPLES * THRESHOLD_SAMPLES;
+        let mut values: Vec<f64> = (0..count)
+            .map(|place| layer.noise(at(place / THRESHOLD_SAMPLES), at(place % THRESHOLD_SAMPLES)))
+            .collect();
+        let rank = ((1.0 - cover) * count as f64) as usize;
+        let (_, threshold, _) = values.select_nth_unstable_by(rank.min(count - 1), f64::total_cmp);
+        Self { threshold: *threshold, ..layer }
+    }
+
+    /// The pattern at a place of the layer, metres east and north of a corner of it.
+    fn noise(&self, east_m: f64, north_m: f64) -> f64 {
+        // The noise varies most at the points of its lattice: the eye stands elsewhere for every pattern.
+        let [x, y] = R2.map(|step| step * (self.pattern + 1) as f64);
+        octaves(x + east_m / CLOUD_SIZE_M, y + north_m / CLOUD_SIZE_M, OCTAVES, self.pattern << 8)
+    }
+
+    /// Share of gaps in a sample of the panorama.
+    fn gap_share(&self, row: usize, column: usize) -> f64 {
+        let step_rad = FRAC_PI_2 / ELEVATION_COUNT as f64;
+        let lowest_rad = row as f64 * step_rad;
+        let rays = if lowest_rad < SLANT_RAD { SLANT_RAYS } else { RAYS };
+        let within = |ray: usize| (ray as f64 + 0.5) / rays as f64;
+        let mut sum = 0.0;
+        for up in 0..rays {
+            let away_m = self.away_m(lowest_rad + within(up) * step_rad);
+            for across in 0..rays {
+                let azimuth_rad = (column as f64 - 0.5 + within(across)) * TAU / AZIMUTH_COUNT as f64;
+                sum += 1.0 - self.cloud(away_m * azimuth_rad.sin(), away_m * azimuth_rad.cos());
+            }
+        }
+        sum / (rays * rays) as f64
+    }
+
+    /// How far off, along the ground, a ray meets the layer.
+    fn away_m(&self, elevation_rad: f64) -> f64 {
+        let cosine = EARTH_RADIUS_M * elevation_rad.cos() / (EARTH_RADIUS_M + self.above_eye_m);
+        EARTH_RADIUS_M * (cosine.acos() - elevation_rad)
+    }
+
+    /// 1 in a cloud, 0 in a gap, with a soft edge.
+    fn cloud(&self, east_m: f64, north_m: f64) -> f64 {
+        let over = ((self.noise(east_m, north_m) - self.threshold) / EDGE + 0.5).clamp(0.0, 1.0);
+        over * over * (3.0 - 2.0 * over)
+    }
+}
+
+/// What of light under a layer of cloud air scatters, the rest is reflected: a fit to the first order of scattering.
+fn share_below(elevation_rad: f64) -> f64 {
+    let slant = elevation_rad.sin() / HALF_BELOW_SINE;
+    1.0 / (1.0 + slant * slant)
+}
+
+/// What is seen in a gap.
+fn through_gap(clear: f32, overcast: f32, cover: f32, share_below: f32) -> f32 {
+    let below = clear.min(share_below * overcast);
+    cover * below + (1.0 - cover) * clear
+}
+
+/// Gaps over an eye.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaps {
+    cover: f32,
+    /// Share of each sample of the panorama that no cloud covers, 0..=1, `[row][column]`.
+    shares: Vec<f32>,
+}
+
+impl Gaps {
+    /// Share of a sample that no cloud covers.
+    pub fn share(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.shares[row * AZIMUTH_COUNT + column])
+    }
+
+    /// That of the sample of a direction above the horizon.
+    pub fn towards(&self, direction: Direction) -> f64 {
+        let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64) as usize;
+        let column = (direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64).round() as usize;
+        self.share(row.min(ELEVATION_COUNT - 1), column % AZIMUTH_COUNT)
+    }
+
+    /// Takes from a natural sky what clouds cover.
+    pub fn dim(&self, sky: &mut Panorama) {
+        for plane in sky.samples_mut().chunks_exact_mut(self.shares.len()) {
+            plane.iter_mut().zip(&self.shares).for_each(|(sample, share)| *sample *= share);
+        }
+    }
+
+    /// Turns artificial light under a clear sky into that under these clouds, given that under a closed layer.
+    pub fn cover(&self, clear: &mut Panorama, overcast: &Panorama) {
+        let planes = clear.samples_mut().chunks_exact_mut(self.shares.len());
+        for (plane, clouds) in planes.zip(overcast.samples().chunks_exact(self.shares.len())) {
+            let rows = plane.chunks_exact_mut(AZIMUTH_COUNT).zip(clouds.chunks_exact(AZIMUTH_COUNT));
+            for (row, ((samples, clouds), shares)) in
+                rows.zip(self.shares.chunks_exact(AZIMUTH_COUNT)).enumerate()
+            {
+                let below = share_below(elevation_rad(row)) as f32;
+                for ((sample, cloud), share) in samples.iter_mut().zip(clouds).zip(shares) {
+                    let gap = through_gap(*sample, *cloud, self.cover, below);
+                    *sample = share * gap + (1.0 - share) * cloud;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "broken_clouds_tests.rs"]
+mod tests;
