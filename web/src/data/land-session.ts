@@ -5,6 +5,7 @@ import { api, type SkyParameters } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
 import { faceGazes, faceSidePx } from "../sky/land-faces.ts";
 import { Landscape } from "../sky/landscape.ts";
+import fragmentShader from "../sky/shaders/land.frag?raw";
 import { adaptationOf } from "../sky/shading.ts";
 import { type AppState, CONDITIONS, coordinatesOf, landOf, sceneOf, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -83,7 +84,7 @@ async function loadLandscape(addresses: Addresses, signal: AbortSignal): Promise
   const faces = addresses.map(async (address) =>
     createImageBitmap(await api.picture(address, signal), { premultiplyAlpha: "none", colorSpaceConversion: "none" }),
   );
-  return new Landscape(await Promise.all(faces));
+  return new Landscape(await Promise.all(faces), fragmentShader);
 }
 
 /** Of the skies that are shown; null where there is none. */

@@ -1,16 +1,17 @@
-// The land in light all around, as the server pictures it. It is loaded once someone asks for it.
+// The land in light all around, as the server pictures it.
 
 import { facePoint } from "./land-faces.ts";
 import { type SkyDirection, vectorFromDirection } from "./projection.ts";
-import fragmentShader from "./shaders/land.frag?raw";
 
 export class Landscape {
-  readonly fragmentShader = fragmentShader;
   /** What is read without a GPU. */
   private pixels: Uint8ClampedArray[] | null = null;
 
-  /** Of one size, in the order of `faceGazes`. */
-  constructor(readonly faces: readonly ImageBitmap[]) {}
+  /** Pictures of one size, in the order of `faceGazes`, and what draws them: it comes with the first. */
+  constructor(
+    readonly faces: readonly ImageBitmap[],
+    readonly fragmentShader: string,
+  ) {}
 
   /** The bytes of the nearest pixel. */
   rgbAt(direction: SkyDirection): Uint8ClampedArray {
