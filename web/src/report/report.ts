@@ -4,7 +4,7 @@ import { api } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
 import { reportWords, words } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
-import type { AppState } from "../state/app-state.ts";
+import { type AppState, landOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make, saveFile } from "../ui/dom.ts";
 import { reportDocument, reportTitle } from "./document.ts";
@@ -18,7 +18,8 @@ const NOT_IN_NAMES = /[\\/:*?"<>|]/g;
 /** All that a report depends on. */
 function keyOf(state: Readonly<AppState>): string {
   const { scenario, areas, colours, exposureEv, sky, unit, change } = state;
-  return JSON.stringify([reportRequest(state), scenario, areas?.fileName, colours, exposureEv, sky, unit, change === null]);
+  const look = [colours, exposureEv, landOf(state), sky, unit];
+  return JSON.stringify([reportRequest(state), scenario, areas?.fileName, ...look, change === null]);
 }
 
 export class Report {

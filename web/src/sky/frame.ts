@@ -16,7 +16,7 @@ const LINE_STEP_DEG = 3;
 
 const thin = (points: readonly Point[]): Line => ({ points, ink: LINE, widthPx: 1 });
 
-function compass(azimuthDeg: number, at: Point, [small, large]: Point, more: Pick<Name, "align" | "baseline">): Name {
+function compass(azimuthDeg: number, at: Point, [small, large]: Point, more: Pick<Name, "align" | "baseline" | "hasEdge">): Name {
   const strong = azimuthDeg % 90 === 0;
   return {
     text: compassName(azimuthDeg),
@@ -97,9 +97,10 @@ function perspectiveFrame(projection: Projection): LinesAndNames {
     const { xPx, yPx } = projection.pointFromDirection(direction);
     return Number.isNaN(xPx) ? [] : [[xPx + right, yPx + down]];
   };
+  // They stand before the ground, which may be as bright as they are.
   const letters = NAMED_DEG.flatMap((azimuthDeg) =>
     place({ azimuthDeg, elevationDeg: 0 }, 0, 6).map((at) =>
-      compass(azimuthDeg, at, [12, 14], { align: "center", baseline: "top" }),
+      compass(azimuthDeg, at, [12, 14], { align: "center", baseline: "top", hasEdge: true }),
     ),
   );
   const marks = [30, 60].flatMap((elevationDeg) =>

@@ -19,7 +19,10 @@ export class Program {
     ] as const) {
       const shader = gl.createShader(type);
       if (shader === null) continue;
-      gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n${text}`);
+      gl.shaderSource(
+        shader,
+        `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler2DArray;\n${text}`,
+      );
       gl.compileShader(shader);
       if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
         throw new Error(gl.getShaderInfoLog(shader) ?? "");
@@ -64,6 +67,25 @@ export function pictureTexture(gl: WebGL2RenderingContext, source: HTMLCanvasEle
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
     return gl.LINEAR;
   });
+}
+
+/** Pictures of one size in layers, that light is averaged of where they are shown smaller. */
+export function landTexture(gl: WebGL2RenderingContext, pictures: readonly ImageBitmap[]): WebGLTexture {
+  const made = gl.createTexture();
+  const kind = gl.TEXTURE_2D_ARRAY;
+  const { width = 1, height = 1 } = pictures[0] ?? {};
+  gl.activeTexture(gl.TEXTURE0);
+  gl.bindTexture(kind, made);
+  gl.texStorage3D(kind, Math.floor(Math.log2(Math.max(width, height))) + 1, gl.SRGB8_ALPHA8, width, height, pictures.length);
+  pictures.forEach((picture, layer) => {
+    gl.texSubImage3D(kind, 0, 0, 0, layer, width, height, 1, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+  });
+  gl.generateMipmap(kind);
+  gl.texParameteri(kind, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
+  gl.texParameteri(kind, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  gl.texParameteri(kind, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.texParameteri(kind, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  return made;
 }
 
 function texture(gl: WebGL2RenderingContext, fill: () => number): WebGLTexture {

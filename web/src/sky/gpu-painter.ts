@@ -3,9 +3,10 @@
 import { isOfLight } from "./colour-maps.ts";
 import type { Disc } from "./compact.ts";
 import { CONE_TABLE, coneTable, dazzle, halfPower } from "./eye.ts";
-import { colourTexture, floatTexture, Program } from "./gl.ts";
+import { colourTexture, floatTexture, landTexture, Program } from "./gl.ts";
 import { HALO_DEG, illuminanceOf } from "./glare.ts";
 import type { SkyGrid } from "./grid.ts";
+import type { Landscape } from "./landscape.ts";
 import type { Drawing } from "./lines.ts";
 import { LiveLines } from "./live-lines.ts";
 import { columnsInView, drawMesh, groundRows, type Mesh, mesh, skyRows, vertexArray } from "./meshes.ts";
@@ -60,6 +61,8 @@ interface Work {
 interface Programs {
   sky: Program;
   ground: Program;
+  /** Once there is land in light. */
+  land: Program | null;
   point: Program;
   disc: Program;
   lines: LiveLines;
@@ -74,6 +77,7 @@ export class GpuPainter {
   private readonly gl: WebGL2RenderingContext | null;
   private programs: Programs | null = null;
   private readonly uploads = new Map<SkyGrid, Uploaded>();
+  private readonly lands = new Map<Landscape, WebGLTexture>();
 
   /** `changed` is called when the context was lost or is back: what is shown must be painted anew. */
   constructor(changed: () => void) {
@@ -83,6 +87,7 @@ export class GpuPainter {
       event.preventDefault();
       this.programs = null;
       this.uploads.clear();
+      this.lands.clear();
       changed();
     };
     canvas.addEventListener("webglcontextlost", forget);
@@ -110,12 +115,13 @@ export class GpuPainter {
   }
 
   /** Paints the part of a sky that lies left of a column of the canvas. */
-  paint(grid: SkyGrid, look: PictureLook, plot: SkyPlot, untilPx: number): void {
+  paint(grid: SkyGrid, look: PictureLook, plot: SkyPlot, untilPx: number, landscape: Landscape | null): void {
     const { gl } = this;
     if (gl === null) return;
     this.programs ??= {
       sky: new Program(gl, view + skyVertex, light + skyFragment),
       ground: new Program(gl, view + skyVertex, groundFragment),
+      land: null,
       point: new Program(gl, view + pointVertex, light + pointFragment),
       disc: new Program(gl, discVertex, view + before + light + discFragment),
       lines: new LiveLines(gl),
@@ -144,9 +150,14 @@ export class GpuPainter {
     gl.scissor(left, bottom, Math.max(Math.min(width, untilPx - left), 0), height);
     gl.blendEquation(gl.FUNC_ADD);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    const ground = use(this.programs.ground);
-    const [red, green, blue] = uploaded.shading.groundRgb;
-    gl.uniform3f(ground.place("ground"), red / 255, green / 255, blue / 255);
+    if (landscape === null) {
+      const ground = use(this.programs.ground);
+      const [red, green, blue] = uploaded.shading.groundRgb;
+      gl.uniform3f(ground.place("ground"), red / 255, green / 255, blue / 255);
+    } else {
+      this.programs.land ??= new Program(gl, view + skyVertex, view + light + landscape.fragmentShader);
+      bind(gl, use(this.programs.land), "faces", 0, this.uploadedLand(gl, landscape), gl.TEXTURE_2D_ARRAY);
+    }
     drawMesh(gl, uploaded.ground, columns, false);
   }
 
@@ -235,6 +246,19 @@ export class GpuPainter {
     return made;
   }
 
+  /** The pictures of a landscape; of two at most. */
+  private uploadedLand(gl: WebGL2RenderingContext, landscape: Landscape): WebGLTexture {
+    const known = this.lands.get(landscape);
+    if (known !== undefined) return known;
+    for (const [other, texture] of [...this.lands].slice(0, -1)) {
+      gl.deleteTexture(texture);
+      this.lands.delete(other);
+    }
+    const made = landTexture(gl, landscape.faces);
+    this.lands.set(landscape, made);
+    return made;
+  }
+
   private release(gl: WebGL2RenderingContext, grid: SkyGrid, { table, sky, ground, before }: Uploaded): void {
     for (const texture of [table, before?.sky, before?.veil]) gl.deleteTexture(texture ?? null);
     for (const { array } of [sky, ground, ...(before === null ? [] : [before.points])]) gl.deleteVertexArray(array);
@@ -244,9 +268,16 @@ export class GpuPainter {
   }
 }
 
-function bind(gl: WebGL2RenderingContext, program: Program, name: string, unit: number, texture: WebGLTexture): void {
+function bind(
+  gl: WebGL2RenderingContext,
+  program: Program,
+  name: string,
+  unit: number,
+  texture: WebGLTexture,
+  kind: GLenum = gl.TEXTURE_2D,
+): void {
   gl.activeTexture(gl.TEXTURE0 + unit);
-  gl.bindTexture(gl.TEXTURE_2D, texture);
+  gl.bindTexture(kind, texture);
   gl.uniform1i(program.place(name), unit);
 }
 

@@ -2,6 +2,7 @@
 
 import type { ColourMapName } from "./colour-maps.ts";
 import type { SkyGrid } from "./grid.ts";
+import type { Landscape } from "./landscape.ts";
 import type { Projection } from "./projection.ts";
 import { type PictureLook, type Shading, shadingOf, TABLE_SIZE, tableOf } from "./shading.ts";
 import type { Three } from "./srgb.ts";
@@ -38,6 +39,7 @@ export function paintSky(
   look: PictureLook,
   projection: Projection,
   pixelsPerCssPx: number,
+  landscape: Landscape | null = null,
 ): void {
   const shading = shadingOf(grid, look);
   const finished = finisher(shading, look.colours);
@@ -49,7 +51,10 @@ export function paintSky(
       if (direction === null) continue;
       const { azimuthDeg, elevationDeg } = direction;
       const isGround = elevationDeg < Math.max(grid.horizonAt(azimuthDeg), 0);
-      data.set(isGround ? shading.groundRgb : finished(colourAt(grid, shading, azimuthDeg, elevationDeg)), at);
+      const colour = isGround
+        ? (landscape?.rgbAt(direction) ?? shading.groundRgb)
+        : finished(colourAt(grid, shading, azimuthDeg, elevationDeg));
+      data.set(colour, at);
       data[at + 3] = 255;
     }
   }

@@ -7,6 +7,7 @@ import type { Place } from "../state/view-state.ts";
 import { frameOf } from "./frame.ts";
 import { GpuPainter, type SkyPlot } from "./gpu-painter.ts";
 import type { SkyGrid } from "./grid.ts";
+import type { Landscape } from "./landscape.ts";
 import { type Drawing, drawAll, pieces } from "./lines.ts";
 import { drawCross, drawCurve, drawTown, skyline, type TownDirection, townsOver } from "./overlay.ts";
 import { Pace } from "./pace.ts";
@@ -30,6 +31,9 @@ export interface SkyScene extends PictureLook {
   grid: SkyGrid | null;
   /** Another sky left of the split. */
   other: SkyGrid | null;
+  /** The land in light below each; null: it is dark. */
+  landscape: Landscape | null;
+  otherLandscape: Landscape | null;
   /** Where the other sky ends, as a part of the picture's width. */
   split: number;
   projection: ProjectionName;
@@ -182,8 +186,8 @@ export class SkyCanvas {
     const { grid } = scene;
     const frame = frameOf(projection, plot);
     if (grid === null) return [frame];
-    // By night the ground ends where the stars do.
-    const ridge = scene.colours === "eye" ? [] : skyline(projection, grid);
+    // By night the ground ends where the stars do, and land in light where it does.
+    const ridge = scene.colours === "eye" || scene.landscape !== null ? [] : skyline(projection, grid);
     const fieldDeg = scene.projection === "perspective" ? scene.gaze.fieldDeg : 90;
     return [
       frame,
@@ -249,9 +253,9 @@ export class SkyCanvas {
       context.drawImage(gpu.canvas, 0, 0);
     } else {
       splitPx = this.splitPx(scene, scale);
-      for (const [each, untilPx] of skiesOf(grid, scene, splitPx, width)) {
+      for (const [each, untilPx, landscape] of skiesOf(grid, scene, splitPx, width)) {
         const image = context.createImageData(untilPx, height);
-        paintSky(image, each, lookOf(grid, scene), projection, scale);
+        paintSky(image, each, lookOf(grid, scene), projection, scale, landscape);
         context.putImageData(image, 0, 0);
       }
     }
@@ -266,7 +270,8 @@ export class SkyCanvas {
     const look = lookOf(grid, scene);
     const splitPx = this.splitPx(scene, plot.pixelsPerCssPx);
     this.gpu.begin(width, height);
-    for (const [each, untilPx] of skiesOf(grid, scene, splitPx, width)) this.gpu.paint(each, look, plot, untilPx);
+    for (const [each, untilPx, landscape] of skiesOf(grid, scene, splitPx, width))
+      this.gpu.paint(each, look, plot, untilPx, landscape);
     return splitPx;
   }
 
@@ -291,13 +296,14 @@ function lookOf(grid: SkyGrid, scene: SkyScene): PictureLook {
 }
 
 /** The skies that are painted one over the other, each until a column of the canvas. */
-function skiesOf(grid: SkyGrid, { other }: SkyScene, splitPx: number | null, width: number): [SkyGrid, number][] {
-  return other === null || splitPx === null
-    ? [[grid, width]]
-    : [
-        [grid, width],
-        [other, splitPx],
-      ];
+function skiesOf(
+  grid: SkyGrid,
+  { other, landscape, otherLandscape }: SkyScene,
+  splitPx: number | null,
+  width: number,
+): [SkyGrid, number, Landscape | null][] {
+  const whole: [SkyGrid, number, Landscape | null] = [grid, width, landscape];
+  return other === null || splitPx === null ? [whole] : [whole, [other, splitPx, otherLandscape]];
 }
 
 function splitLine({ topPx, heightPx }: Plot, xPx: number) {

@@ -48,6 +48,8 @@ export class SkyView {
       "colours",
       "exposureEv",
       "adaptationCdM2",
+      "landscape",
+      "landscapeToday",
       "place",
       "places",
     ] as const;
@@ -132,7 +134,13 @@ export class SkyView {
 
   private scene() {
     const { state } = this.store;
-    return { ...state, grid: state.panorama, other: state.panoramaToday, gaze: this.currentGaze() };
+    return {
+      ...state,
+      grid: state.panorama,
+      other: state.panoramaToday,
+      otherLandscape: state.landscapeToday,
+      gaze: this.currentGaze(),
+    };
   }
 
   /** Once in a frame, however often something moves in it; fine once it rests. */

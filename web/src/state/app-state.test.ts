@@ -8,6 +8,7 @@ import {
   influenceQuery,
   initialState,
   isCompared,
+  landOf,
   packsOf,
   pictureConditions,
   sceneFor,
@@ -38,6 +39,18 @@ test("a realistic picture is of no other response", () => {
   assert.equal(pictureConditions(state).response, "scotopic");
   assert.ok(!("response" in pictureConditions({ ...state, colours: "realistic" })));
   assert.equal(conditionsOf({ ...state, colours: "realistic" }).response, "scotopic");
+});
+
+/** Land is shown in light to eye and camera, where there is terrain that counts. */
+test("land in light needs terrain and an eye", () => {
+  const scene = (terrain: boolean) => ({ id: "alps", terrain }) as unknown as Scene;
+  const state = { ...DEFAULT, scene: "alps", scenes: [scene(true)], land: "snow" } as const;
+  assert.equal(landOf(state), "snow");
+  assert.equal(landOf({ ...state, colours: "realistic" }), "snow");
+  assert.equal(landOf({ ...state, colours: "inferno" }), "dark");
+  assert.equal(landOf({ ...state, terrain: "off" }), "dark");
+  assert.equal(landOf({ ...state, scenes: [scene(false)] }), "dark");
+  assert.equal(landOf({ ...state, scenes: [] }), "dark");
 });
 
 test("two skies are compared only with a scenario", () => {

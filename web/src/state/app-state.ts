@@ -24,10 +24,11 @@ import type { Brush } from "../map/painter.ts";
 import type { LayerState } from "../map/raster-layers.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
 import type { SkyGrid, SkySample } from "../sky/grid.ts";
+import type { Landscape } from "../sky/landscape.ts";
 import { textFromRegion } from "../sky/region.ts";
 import { PHOTOPIC, type Seen } from "../sky/seen.ts";
 import { packsUnder } from "../ui/clouds.ts";
-import type { LayerName, Place, ViewState } from "./view-state.ts";
+import type { LandKind, LayerName, Place, ViewState } from "./view-state.ts";
 
 export interface Comparison {
   before: SkyQuantities;
@@ -72,6 +73,11 @@ export interface AppState extends ViewState {
   panorama: SkyGrid | null;
   /** The panorama of today's lights, where it is shown beside that of others. */
   panoramaToday: SkyGrid | null;
+  /** The land in light below each of them, where the state asks for it; it comes after the sky. */
+  landscape: Landscape | null;
+  landscapeToday: Landscape | null;
+  /** Whether land is on its way. */
+  isLandBusy: boolean;
   /** Width of the sky's plot by its height. */
   skyAspect: number;
   /** What is pointed at in the sky. */
@@ -114,6 +120,9 @@ export function initialState(view: ViewState): AppState {
     shownTown: null,
     panorama: null,
     panoramaToday: null,
+    landscape: null,
+    landscapeToday: null,
+    isLandBusy: false,
     skyAspect: 1,
     pointed: null,
     isDrawing: false,
@@ -135,6 +144,16 @@ export type Conditions = Omit<SkyConditions, "time">;
 /** The scene that is shown; null until the list of scenes is known. */
 export function sceneOf({ scenes, scene }: State): Scene | null {
   return scenes.find(({ id }) => id === scene) ?? null;
+}
+
+/** Whether the land of a scene can be shown in light: only eye and camera see it, and only where there is terrain. */
+export function hasLand({ colours, terrain }: Pick<State, "colours" | "terrain">, scene: Scene | null): boolean {
+  return isOfLight(colours) && terrain === "on" && scene?.terrain === true;
+}
+
+/** How it is shown. */
+export function landOf(state: State, scene: Scene | null = sceneOf(state)): LandKind {
+  return hasLand(state, scene) ? state.land : "dark";
 }
 
 function isInside([west = -180, south = -90, east = 180, north = 90]: Bounds, { latitude_deg, longitude_deg }: Place): boolean {

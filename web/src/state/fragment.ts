@@ -7,6 +7,7 @@ import { UNITS } from "../sky/units.ts";
 import {
   DEFAULT_STATE,
   EMISSION_KEEPS,
+  LANDS,
   LAYERS,
   LIGHTS,
   MAX_PINS,
@@ -111,6 +112,7 @@ export function stateFromFragment(fragment: string): ViewState {
     colours: oneOf(query.get("colours"), STYLES, DEFAULT_STATE.colours),
     exposureEv: numberIn(query.get("exposure"), -4, 6) ?? DEFAULT_STATE.exposureEv,
     adaptationCdM2: numberIn(query.get("adaptation"), 1e-4, 1e5),
+    land: oneOf(query.get("land"), LANDS, DEFAULT_STATE.land),
     unit: oneOf(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
     region,
@@ -162,6 +164,7 @@ export function fragmentFromState(state: ViewState): string {
   add("colours", state.colours, DEFAULT_STATE.colours);
   add("exposure", state.exposureEv, DEFAULT_STATE.exposureEv);
   add("adaptation", state.adaptationCdM2, null);
+  add("land", state.land, DEFAULT_STATE.land);
   add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
   add("region", state.region === null ? null : textFromRegion(state.region), null);

@@ -43,6 +43,10 @@ export type ResponseName = (typeof RESPONSES)[number];
 /** More than these are no longer seen side by side. */
 export const MAX_PINS = 5;
 
+/** How the land below the skyline is shown to eye and camera: as a silhouette, in the light that falls on it, or so under snow. */
+export const LANDS = ["dark", "lit", "snow"] as const;
+export type LandKind = (typeof LANDS)[number];
+
 export type TerrainKind = "on" | "off";
 
 /** What of a light the satellite's radiance says; the default first. */
@@ -94,6 +98,7 @@ export interface ViewState {
   exposureEv: number;
   /** Luminance that the eye stays adapted to, cd m⁻²; null: it follows the sky. */
   adaptationCdM2: number | null;
+  land: LandKind;
   unit: BrightnessUnit;
   /** Of the layers of influence and of brightness; `region` only where there is one. */
   measure: MeasureName;
@@ -132,6 +137,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   colours: "eye",
   exposureEv: 0,
   adaptationCdM2: null,
+  land: "dark",
   unit: "magnitude",
   measure: "zenith",
   region: null,

@@ -61,7 +61,7 @@ export class Compare {
       this.button.disabled = !isPinned && pins.length >= MAX_PINS;
       this.button.textContent = isPinned ? placeWords().compare.unpin : placeWords().compare.pin;
     });
-    const look = ["panorama", "sky", "colours", "exposureEv", "adaptationCdM2", "unit", "projection", "places"] as const;
+    const look = ["panorama", "sky", "colours", "exposureEv", "adaptationCdM2", "land", "unit", "projection", "places"] as const;
     store.watch(["pins", "place", "scenes", "time", "skyStage", "isBusy", "isAway", ...CONDITIONS, ...look], (state) => {
       this.show(state);
       if (state.pins.length > 0 && state.skyStage === "picture" && !state.isBusy && !state.isAway) void this.load(state);

@@ -8,6 +8,7 @@ import {
   conditionsOf,
   coordinatesOf,
   influenceQuery,
+  landOf,
   sceneOf,
   skyConditions,
 } from "../state/app-state.ts";
@@ -33,7 +34,18 @@ export function mountDownloads(store: AppStore): void {
         save.disabled = false;
       });
   });
-  const look = ["projection", "sky", "colours", "exposureEv", "adaptationCdM2", "unit", "gaze", "skyAspect", "panorama"] as const;
+  const look = [
+    "projection",
+    "sky",
+    "colours",
+    "exposureEv",
+    "adaptationCdM2",
+    landOf,
+    "unit",
+    "gaze",
+    "skyAspect",
+    "panorama",
+  ] as const;
   store.watch([sceneOf, "place", "time", ...CONDITIONS, ...look], (state) => {
     const { place } = state;
     const scene = sceneOf(state);

@@ -20,8 +20,8 @@ export function mountPageStatus(store: AppStore): void {
   store.watch(["skyStage"], ({ skyStage }) => {
     body.dataset.sky = skyStage;
   });
-  store.watch(["isBusy"], ({ isBusy }) => {
-    body.classList.toggle("busy", isBusy);
+  store.watch(["isBusy", "isLandBusy"], ({ isBusy, isLandBusy }) => {
+    body.classList.toggle("busy", isBusy || isLandBusy);
     numbers.setAttribute("aria-busy", String(isBusy));
   });
   store.watch(["place", "places"], ({ place, places }) => {

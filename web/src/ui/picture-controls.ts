@@ -5,8 +5,9 @@ import { isOfLight, type PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import { type BrightnessUnit, unitFor } from "../sky/units.ts";
-import { seenOf } from "../state/app-state.ts";
+import { hasLand, sceneOf, seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import type { LandKind } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 import { decimal } from "./format.ts";
 import { wireGroup } from "./group.ts";
@@ -14,9 +15,11 @@ import { wireGroup } from "./group.ts";
 export function mountPictureControls(store: AppStore): void {
   const colours = byId("colours", HTMLSelectElement);
   const exposure = byId("exposure", HTMLInputElement);
+  const land = byId("land", HTMLSelectElement);
   const unit = byId("unit", HTMLSelectElement);
   colours.addEventListener("change", () => store.set({ colours: colours.value as PictureStyle }));
   exposure.addEventListener("input", () => store.set({ exposureEv: Number(exposure.value) }));
+  land.addEventListener("change", () => store.set({ land: land.value as LandKind }));
   unit.addEventListener("change", () => store.set({ unit: unit.value as BrightnessUnit }));
   const pressProjection = wireGroup<ProjectionName>("projection", (projection) => store.set({ projection }));
   const pressSky = wireGroup<SkyKind>("sky-kind", (sky) => store.set({ sky }));
@@ -31,6 +34,10 @@ export function mountPictureControls(store: AppStore): void {
   store.watch(["colours"], (state) => {
     colours.value = state.colours;
     byId("exposure-field", HTMLElement).hidden = !isOfLight(state.colours);
+  });
+  store.watch(["colours", "land", "terrain", sceneOf], (state) => {
+    land.value = state.land;
+    byId("land-field", HTMLElement).hidden = !hasLand(state, sceneOf(state));
   });
   const keep = byId("keep-adaptation", HTMLButtonElement);
   keep.title = words().sky.keepAdaptationWhy;

@@ -2,6 +2,7 @@
 
 import type { NamedPlace } from "../api/types.ts";
 import { DarkerSession } from "../data/darker-session.ts";
+import { followLand } from "../data/land.ts";
 import { followNight, followNightHours } from "../data/night-session.ts";
 import { SharesSession } from "../data/shares-session.ts";
 import type { Lights } from "../lights/lights.ts";
@@ -42,6 +43,7 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   mountSummary(store);
   new Legend(store);
   new SkyView(byId("sky-view", HTMLElement), store);
+  followLand(store);
   mountReadout(store);
   mountRegionButton(store);
   followNight(store);

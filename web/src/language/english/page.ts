@@ -114,6 +114,10 @@ export const page = {
     keepAdaptation: "Keep the eye as it is",
     keepAdaptationWhy:
       "The eye adapts to the sky it sees. Kept as it is, it shows other skies beside this one in their true relation.",
+    land: "Ground",
+    landDark: "dark",
+    landLit: "as it is lit",
+    landSnow: "under snow",
     unit: "Unit",
     unitRatio: "× natural sky",
   },

@@ -109,6 +109,10 @@ export const page: PageWords = {
     keepAdaptation: "Auge so lassen",
     keepAdaptationWhy:
       "Das Auge stellt sich auf den Himmel ein, den es sieht. Bleibt es, wie es ist, zeigt es andere Himmel im wahren Verhältnis zu diesem.",
+    land: "Boden",
+    landDark: "dunkel",
+    landLit: "wie beleuchtet",
+    landSnow: "unter Schnee",
     unit: "Einheit",
     unitRatio: "× natürlich",
   },
