@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [night|land]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil
 """
 
@@ -169,12 +169,24 @@ def land():
     ])
 
 
+def clouds():
+    """A town on a lake of the demo under no clouds, some, more and a closed layer; one eye for all."""
+    see = lambda **params: picture(f"{API}/scenes/demo/panorama.png", legend="off", **params)
+    look = {"lat": 46.17, "lon": 8.79, "time": "2026-08-12T22:30:00Z", "style": "eye", "adaptation": 0.004, "projection": "fisheye",
+            "width": 400, "height_px": 400}
+    some = {"clouds": 1500, "cloud_cover": 0.3, "cloud_pattern": 3}
+    more = {"clouds": 1500, "cloud_cover": 0.6, "cloud_pattern": 2}
+    side_by_side("clouds", [[see(**look, **layer) for layer in ({}, some, more, {"clouds": 1500})]])
+
+
 def main():
     alone = sys.argv[4:]
     if not alone or "night" in alone:
         night()
     if not alone or "land" in alone:
         land()
+    if not alone or "clouds" in alone:
+        clouds()
     if alone:
         return
     scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}

@@ -48,5 +48,5 @@ overcast=precomputed/turbidity-2.50-multiple-clouds-1500.skyglow
 if [ "$which" = all ] || [ ! -f "$overcast" ]; then
     echo "precomputed/: making the overcast sky" >&2
     rm -f "$overcast"
-    "$skyglow" precompute --turbidity 2.5 --cloud-base 1500 --basis 64 --out precomputed
+    "$skyglow" precompute --turbidity 2.5 --cloud-base 1500 --out precomputed
 fi

@@ -74,7 +74,8 @@ def frame(
     given = places.rename(columns={name: f"{name}_given" for name in found.columns})
     whole = pandas.concat([given, found], axis=1)
     answers = [sky for sky in skies if isinstance(sky, Answer)]
-    shared = ("scene", "scenario", "turbidity", "scattering", "clouds", "lamp", "emission", "calibration")
+    air = ("turbidity", "scattering", "clouds", "cloud_cover", "cloud_pattern")
+    shared = ("scene", "scenario", *air, "lamp", "emission", "calibration")
     attributes = {
         name: answers[0][name]
         for name in shared

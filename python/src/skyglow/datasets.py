@@ -148,6 +148,7 @@ def _attributes(said: Mapping[str, Any]) -> dict[str, Any]:
         "turbidity": said["turbidity"],
         "scattering": said["scattering"],
         "clouds": said["clouds"],
+        "cloud_cover": said.get("cloud_cover", "") if said["clouds"] != "none" else "",
         "lamp": _named(said["lamp"]),
         "emission": _named(said["emission"]),
         "calibration": said["calibration"],

@@ -97,9 +97,10 @@ fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
         unserved: Vec::new(),
         basis_count: resident.basis_count,
         ground_albedo: pack.and_then(|pack| pack.ground_albedo),
-        why_open: (!resident.hides_lights).then_some(
-            "the resident table packs know no skylines: make them again with `skyglow precompute`",
-        ),
+        why_open: (!resident.hides_lights).then_some(match resident.kind.cloud_base_m {
+            None => "the resident table packs know no skylines: make them again with `skyglow precompute`",
+            Some(_) => "under clouds table packs know no skylines",
+        }),
     }
 }
 

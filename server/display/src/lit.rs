@@ -174,6 +174,19 @@ mod tests {
         }
     }
 
+    /// Ground as bright as the sky looks as bright, whatever the eye is adapted to.
+    #[test]
+    fn an_eye_sees_ground_as_it_sees_the_sky() {
+        for adaptation_cd_m2 in [None, Some(1e-4), Some(1e-2), Some(1.0)] {
+            let style = Style::Eye { exposure_ev: 0.0, adaptation_cd_m2 };
+            let options = PictureOptions { style, ..options(LOOKING_EAST) };
+            let picture = drawn(&plain(&options, 1e-3), &options);
+            let middle = options.height_px / 2;
+            let [above, below] = [middle - 3, middle + 3].map(|y| picture.get_pixel(300, y).0[1]);
+            assert!(above.abs_diff(below) <= 2, "{adaptation_cd_m2:?}: {above} {below}");
+        }
+    }
+
     /// A lamp brightens where it stands, and nothing far from it.
     #[test]
     fn lamps_shine_where_they_stand() {

@@ -133,7 +133,7 @@ impl<'a> Painter<'a> {
                     veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more);
                 }
                 light.iter_mut().zip(veil).for_each(|(light, veil)| *light += veil);
-                Some(eye.encoded(eye.linear(light, veil[1])))
+                Some(eye.encoded(eye.linear(light, dazzle(light[1], veil[1]))))
             }
             Painter::Realistic { tone_map, .. } => Some(tone_map.rgb([light[0], light[1], light[2]])),
         }

@@ -193,9 +193,9 @@ impl Observatory {
         kinds.iter().any(|resident| resident.kind == kind && resident.hides_lights)
     }
 
-    /// Whether all packs that a sky is rendered from know them.
+    /// The same for a sky; between broken clouds it is that of a clear one, and packs that know no skylines do without.
     fn hides_lights_of(&self, request: &SkyRequest) -> bool {
         let clear = PackKind { cloud_base_m: None, ..request.kind() };
-        self.hides_lights(request.kind()) && (request.broken_clouds.is_none() || self.hides_lights(clear))
+        self.hides_lights(if request.broken_clouds.is_some() { clear } else { request.kind() })
     }
 }

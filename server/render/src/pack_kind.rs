@@ -49,7 +49,8 @@ pub struct ResidentKind {
     pub turbidities: Vec<f64>,
     /// Most basis functions that any of them has.
     pub basis_count: usize,
-    /// Whether they have tables of sources behind skylines: all of them, or it counts for none.
+    /// Whether they have tables of sources behind skylines: all of them, or it counts for none. Under clouds none counts: no basis
+    /// follows the edge of a skyline's shadow on a cloud.
     pub hides_lights: bool,
     /// Index of the first of them in the table set; the others follow.
     #[serde(skip)]
@@ -63,11 +64,13 @@ impl ResidentKind {
         tables
             .chunk_by(|a, b| PackKind::of(a) == PackKind::of(b))
             .map(|packs| {
+                let kind = PackKind::of(&packs[0]);
                 let kind = Self {
-                    kind: PackKind::of(&packs[0]),
+                    kind,
                     turbidities: packs.iter().map(|pack| pack.turbidity).collect(),
                     basis_count: packs.iter().map(|pack| pack.basis_count).max().unwrap_or(0),
-                    hides_lights: packs.iter().all(|pack| pack.blocked.is_some()),
+                    hides_lights: kind.cloud_base_m.is_none()
+                        && packs.iter().all(|pack| pack.blocked.is_some()),
                     first,
                 };
                 first += packs.len();

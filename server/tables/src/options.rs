@@ -95,12 +95,12 @@ impl PrecomputeOptions {
         }
     }
 
-    /// The same under a layer of cloud, with the sample points that there are below it.
+    /// The same under a layer of cloud, with the sample points that there are below it, and none of sources behind skylines.
     pub fn under(self, clouds: Clouds) -> Self {
         Self {
             axes: self.axes.below(clouds),
             multiple: self.multiple.below(clouds),
-            blocked: self.blocked.map(|axes| axes.below(clouds)),
+            blocked: None,
             clouds: Some(clouds),
             ..self
         }

@@ -1250,6 +1250,16 @@ export interface components {
              * @description Lambertian albedo of that base from below; null where there are no clouds.
              */
             cloud_albedo?: number | null;
+            /**
+             * Format: double
+             * @description Share of that layer that is cloud; null where there are no clouds.
+             */
+            cloud_cover?: number | null;
+            /**
+             * Format: int32
+             * @description Which pattern of clouds; null for the mean of all, and where the layer is closed.
+             */
+            cloud_pattern?: number | null;
             /** @description `none`, or the altitude of the base of a closed layer of cloud in metres above sea level. */
             clouds: string;
             /**
@@ -2754,8 +2764,8 @@ export interface components {
         /**
          * @description The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
          *     natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
-         *     the sky, all are of the visible part. Nothing natural comes through clouds: under them totals are artificial light
-         *     alone, and what speaks of stars is null.
+         *     the sky, all are of the visible part. Nothing natural comes through clouds: under a closed layer totals are artificial light
+         *     alone, and under any clouds what speaks of stars is null.
          */
         QuantitiesAnswer: {
             /**
@@ -4287,6 +4297,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -4421,6 +4435,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -8687,6 +8705,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. Default: none. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. Default: 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. Default: on. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -8888,6 +8910,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -9038,6 +9064,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -9176,6 +9206,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -9344,6 +9378,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -9478,6 +9516,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -9646,6 +9688,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -10970,6 +11016,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
@@ -11108,6 +11158,10 @@ export interface operations {
                 basis?: number;
                 /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
                 clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */

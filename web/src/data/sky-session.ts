@@ -4,7 +4,15 @@ import { api, type SkyParameters } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import { type AppState, CONDITIONS, coordinatesOf, isCompared, sceneOf, skyConditions, withCloudPattern } from "../state/app-state.ts";
+import {
+  type AppState,
+  CONDITIONS,
+  coordinatesOf,
+  isCompared,
+  sceneOf,
+  skyConditions,
+  withCloudPattern,
+} from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 

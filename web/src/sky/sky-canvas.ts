@@ -34,6 +34,7 @@ export interface SkyScene extends PictureLook {
   /** The land in light below each; null: it is dark. */
   landscape: Landscape | null;
   otherLandscape: Landscape | null;
+  landCdM2: number | null;
   /** Where the other sky ends, as a part of the picture's width. */
   split: number;
   projection: ProjectionName;

@@ -50,6 +50,7 @@ export class SkyView {
       "adaptationCdM2",
       "landscape",
       "landscapeToday",
+      "landCdM2",
       "place",
       "places",
     ] as const;
@@ -139,6 +140,7 @@ export class SkyView {
       grid: state.panorama,
       other: state.panoramaToday,
       otherLandscape: state.landscapeToday,
+      landCdM2: state.landCdM2,
       gaze: this.currentGaze(),
     };
   }

@@ -13,7 +13,9 @@ import {
   pictureConditions,
   sceneFor,
   sceneOf,
+  skyConditions,
   todaysConditions,
+  withCloudPattern,
 } from "./app-state.ts";
 import { DEFAULT_STATE, withLayer } from "./view-state.ts";
 
@@ -30,6 +32,18 @@ test("conditions name what differs from the defaults", () => {
   assert.deepEqual(conditionsOf(state), { ...today, scenario: PLAN });
   assert.deepEqual(conditionsOf({ ...state, lights: "today" }), today);
   assert.deepEqual(todaysConditions(state), today);
+});
+
+/** The cover of clouds is named of skies alone, and their pattern of pictures alone. */
+test("skies name the cover of clouds", () => {
+  const closed = { ...DEFAULT, clouds: 1500 };
+  const broken = { ...closed, cloudCover: 40 };
+  assert.ok(!("cloud_cover" in skyConditions({ ...DEFAULT, cloudCover: 40 })) && !("cloud_cover" in skyConditions(closed)));
+  assert.equal(skyConditions(broken).cloud_cover, 0.4);
+  assert.ok(!("cloud_cover" in conditionsOf(broken)));
+  const at = { lat: 46, lon: 9 };
+  assert.equal(withCloudPattern({ ...at, ...skyConditions(broken) }).cloud_pattern, 1);
+  assert.deepEqual(withCloudPattern({ ...at, clouds: "1500" }), { ...at, clouds: "1500" });
 });
 
 /** What sees the sky is named where it is not the eye, but never of a picture in an eye's colours. */

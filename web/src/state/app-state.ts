@@ -78,6 +78,8 @@ export interface AppState extends ViewState {
   landscapeToday: Landscape | null;
   /** Whether land is on its way. */
   isLandBusy: boolean;
+  /** Luminance of the land in light around the eye; null where the ground is dark. */
+  landCdM2: number | null;
   /** Width of the sky's plot by its height. */
   skyAspect: number;
   /** What is pointed at in the sky. */
@@ -123,6 +125,7 @@ export function initialState(view: ViewState): AppState {
     landscape: null,
     landscapeToday: null,
     isLandBusy: false,
+    landCdM2: null,
     skyAspect: 1,
     pointed: null,
     isDrawing: false,
@@ -256,7 +259,7 @@ export function skyConditions(state: State): SkyConditions {
 }
 
 /** The same for a picture, in which clouds stand where one of their patterns has them: the mean of all would be a haze. */
-export function withCloudPattern<P extends { cloud_cover?: number }>(parameters: P): P & { cloud_pattern?: number } {
+export function withCloudPattern(parameters: SkyParameters): SkyParameters {
   return parameters.cloud_cover === undefined ? parameters : { ...parameters, cloud_pattern: CLOUD_PATTERN };
 }
 

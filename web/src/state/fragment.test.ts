@@ -14,6 +14,7 @@ const EVERYTHING: ViewState = {
   turbidity: 3.2,
   scattering: "single",
   clouds: 1500,
+  cloudCover: 35,
   lamp: "hps:0.7,led_4000k:0.3",
   emission: "garstang_1986",
   directUplight: 0.05,
@@ -70,7 +71,7 @@ test("former names of emissions are read", () => {
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(
-    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20&land=sea&time=2026-13-01T00:00Z",
+    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&cover=most&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20&land=sea&time=2026-13-01T00:00Z",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });

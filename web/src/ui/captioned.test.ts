@@ -16,7 +16,8 @@ test("a caption says where, when and whose", () => {
     answer: { sky, coverage: 1, turbidity: 2.5 } as SkyAnswer,
     shares: null,
   };
-  const view = { time: "2026-08-12T22:30:00Z", lamp: "mixed", clouds: null, scenario: null, lights: "changed" } as const;
+  const today = { lamp: "mixed", clouds: null, cloudCover: 100 } as const;
+  const view = { ...today, time: "2026-08-12T22:30:00Z", scenario: null, lights: "changed" } as const;
   const lines = captionLines(captioned, view);
   assert.deepEqual(lines, [
     "14 km SSW of Lecco · 45.7500° N, 150.0000° E",

@@ -29,7 +29,14 @@ export function timeWithClock(time: string | null, { longitude_deg }: Place): st
 /** The lines below the picture; the first names the place. */
 export function captionLines(
   { place, name, scene, answer, shares }: Captioned,
-  { time, lamp, clouds, cloudCover, scenario, lights }: Pick<ViewState, "time" | "lamp" | "clouds" | "cloudCover" | "scenario" | "lights">,
+  {
+    time,
+    lamp,
+    clouds,
+    cloudCover,
+    scenario,
+    lights,
+  }: Pick<ViewState, "time" | "lamp" | "clouds" | "cloudCover" | "scenario" | "lights">,
 ): string[] {
   const say = { ...words(), ...placeWords() };
   const at = coordinates(place.latitude_deg, place.longitude_deg);

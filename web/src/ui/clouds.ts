@@ -1,6 +1,6 @@
 // Layers of cloud that the server has packs for.
 
-import type { Atmosphere } from "../api/types.ts";
+import type { Atmosphere, SkyAnswer } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import { fixed } from "./format.ts";
 
@@ -25,8 +25,8 @@ export function cloudsTitle(clouds: number | null, cover = 1): string {
 }
 
 /** The clouds that an answer assumes. */
-export function assumedClouds({ clouds, cloud_cover }: { clouds: string; cloud_cover?: number | null }): string {
-  return cloudsTitle(clouds === "none" ? null : Number(clouds), cloud_cover ?? 1);
+export function assumedClouds(answer: Pick<SkyAnswer, "clouds" | "cloud_cover">): string {
+  return cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds), answer.cloud_cover ?? 1);
 }
 
 /** A cover in per cent. */

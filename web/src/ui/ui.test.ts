@@ -100,6 +100,7 @@ test("clouds are those that packs are resident for", () => {
     [2, 4],
   );
   assert.deepEqual([cloudsTitle(null), cloudsTitle(800)], ["none, a clear sky", "closed, from 800 m up"]);
+  assert.equal(cloudsTitle(800, 0.45), "over 45 % of the sky, from 800 m up");
 });
 
 /** A problem document becomes a headline and one sentence for each bad parameter. */

@@ -295,17 +295,18 @@ fn read_broken_clouds(
     (kind, turbidity): (Option<&KindFacts>, Option<Turbidity>),
 ) -> Option<BrokenClouds> {
     let (cover, pattern) = (reader.number(&p::CLOUD_COVER), reader.integer(&p::CLOUD_PATTERN));
-    let is_given = |reader: &Reader, parameter: &p::Parameter| reader.text(parameter).is_some();
-    for (parameter, needed, is_there) in [
-        (&p::CLOUD_COVER, &p::CLOUDS, cloud_base_m != Some(None)),
-        (&p::CLOUD_PATTERN, &p::CLOUD_COVER, is_given(reader, &p::CLOUD_COVER)),
+    let has_cover = reader.text(&p::CLOUD_COVER).is_some();
+    let has_gaps = cover.is_some_and(|cover| cover < 1.0);
+    for (parameter, needed, is_wrong) in [
+        (&p::CLOUD_COVER, &p::CLOUDS, has_gaps && cloud_base_m == Some(None)),
+        (&p::CLOUD_PATTERN, &p::CLOUD_COVER, reader.text(&p::CLOUD_PATTERN).is_some() && !has_cover),
     ] {
-        if is_given(reader, parameter) && !is_there {
+        if is_wrong {
             let message = Some(format!("means nothing without `{}`", needed.name));
             reader.fail(parameter, ValidationCode::Conflict, message, None);
         }
     }
-    let cover = cover.filter(|cover| *cover < 1.0)?;
+    let cover = cover.filter(|_| has_gaps)?;
     let (kind, turbidity) = (kind?, turbidity?);
     let mut clear = facts.kinds_under(None).filter(|clear| clear.scattering == kind.scattering);
     if !clear.any(|clear| clear.serves(turbidity.value())) {

@@ -10,11 +10,7 @@ mod later;
 mod stage;
 mod tables;
 
-use crate::{
-    axes::logarithmic,
-    clouds::{Clouds, altitudes_below},
-    multiple::FieldResolution,
-};
+use crate::{axes::logarithmic, multiple::FieldResolution};
 use serde::{Deserialize, Serialize};
 use skyglow_physics::blocking::{BLOCKING_ANGLES_DEG, BLOCKING_COUNT};
 
@@ -75,16 +71,6 @@ impl BlockedAxes {
                 field_resolution: FieldResolution::Coarse,
             }),
         }
-    }
-
-    /// The same below a layer of cloud: the edge of a skyline's shadow on it is as sharp as the spot that a light makes there, and
-    /// takes as many functions.
-    pub fn below(mut self, clouds: Clouds) -> Self {
-        if let Some(later) = &mut self.later {
-            later.ground_altitude_m = altitudes_below(&later.ground_altitude_m, clouds);
-        }
-        let observer_altitude_m = altitudes_below(&self.observer_altitude_m, clouds);
-        Self { observer_altitude_m, basis_count: 2 * self.basis_count, ..self }
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.
