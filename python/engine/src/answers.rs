@@ -32,7 +32,7 @@ const FORMATS: [Format; 6] =
 
 /// An engine with its packs before the scenes of a folder.
 pub struct Answers {
-    source: Arc<dyn SkySource>,
+    pub(crate) source: Arc<dyn SkySource>,
     runtime: Runtime,
 }
 
@@ -261,7 +261,7 @@ fn json(answer: &impl Serialize) -> Result<Vec<u8>, AppError> {
 }
 
 /// A problem as the HTTP interface says it, but for what is meant for a server's clients alone.
-fn problem(error: &AppError) -> LineError {
+pub(crate) fn problem(error: &AppError) -> LineError {
     let mut problem = LineError::from(error);
     match error {
         // There is no log that would say more.
