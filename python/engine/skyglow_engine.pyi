@@ -19,9 +19,7 @@ class Engine:
     ) -> str:
         """What a map of brightness will be, as JSON, and which places lie within bounds; nothing of it is found."""
 
-    def map_part(
-        self, scene: str, query: str, places: int, columns: tuple[int, int], rows: tuple[int, int]
-    ) -> bytes:
+    def map_part(self, scene: str, query: str, places: int, columns: tuple[int, int], rows: tuple[int, int]) -> bytes:
         """The numbers of a part of that map: float32 of this machine, row by row from the north, NaN for none."""
 
     @property

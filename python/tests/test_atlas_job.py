@@ -46,7 +46,10 @@ def test_its_strips_make_the_whole_map(client, container, tmp_path):
         "SKYGLOW_PLACES": "20000",
         "FOLDER": str(tmp_path / "atlas"),
         "STRIPS": "2",
-        **{name: str(value) for name, value in zip(("WEST", "SOUTH", "EAST", "NORTH"), (west, south, east, north), strict=True)},
+        **{
+            name: str(value)
+            for name, value in zip(("WEST", "SOUTH", "EAST", "NORTH"), (west, south, east, north), strict=True)
+        },
     }
 
     def bake(**more):

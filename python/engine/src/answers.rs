@@ -17,10 +17,15 @@ use skyglow_app::{
     request::{self, Keeping, no_parameters, scenario_alone, scene_id},
     sky_lines::each_sky_line,
 };
-use skyglow_observatory::{CacheSizes, MAX_PLACES, RenderedSky, SceneView, SkyRequest, Watch};
+use skyglow_observatory::{
+    CacheSizes, MAX_PLACES, PreparedBrightness, RenderedSky, SceneView, SkyRequest, Watch,
+};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{ChangeLimits, Posting, SceneId, TileLayer};
-use std::{path::Path, sync::Arc};
+use std::{
+    path::Path,
+    sync::{Arc, Mutex},
+};
 use tokio::runtime::{Builder, Runtime};
 
 /// Threads that look after the skies under way. What they compute has threads of its own.
@@ -33,6 +38,8 @@ const FORMATS: [Format; 6] =
 /// An engine with its packs before the scenes of a folder.
 pub struct Answers {
     pub(crate) source: Arc<dyn SkySource>,
+    /// The map of which a part was asked for last, with what decides it.
+    pub(crate) last_map: Mutex<Option<(String, Arc<PreparedBrightness>)>>,
     runtime: Runtime,
 }
 
@@ -69,7 +76,7 @@ impl Answers {
             .thread_name("skyglow-engine")
             .enable_time()
             .build()?;
-        Ok(Self { source, runtime })
+        Ok(Self { source, last_map: Mutex::new(None), runtime })
     }
 
     /// What renders.

@@ -4,14 +4,18 @@ use crate::answers::{Answers, problem};
 use serde::Serialize;
 use skyglow_app::{
     AppError,
+    fingerprint::brightness_content,
     map_part::{MapFrame, brightness_part, window_within},
     problem::LineError,
     request::{self, scene_id},
     validation::ValidationCode,
 };
-use skyglow_observatory::{BrightnessRequest, SceneView, Watch};
+use skyglow_observatory::{BrightnessRequest, PreparedBrightness, SceneView, Watch};
 use skyglow_scene::PlaceWindow;
-use std::ops::Range;
+use std::{
+    ops::Range,
+    sync::{Arc, PoisonError},
+};
 
 /// Most places of a map.
 const MAX_MAP_PLACES: u32 = 400_000_000;
@@ -87,7 +91,8 @@ impl Answers {
     ) -> Result<Vec<f32>, Box<LineError>> {
         let part = || {
             let (request, view) = self.map(question)?;
-            let lattice = view.scene().place_lattice(request.max_places);
+            let prepared = self.prepared(&request, &view)?;
+            let lattice = prepared.lattice();
             let is_within = |range: &Range<u32>, count: u32| range.start < range.end && range.end <= count;
             if !is_within(&window.columns, lattice.columns) || !is_within(&window.rows, lattice.rows) {
                 return Err(AppError::parameter(
@@ -98,11 +103,30 @@ impl Answers {
                     ValidationCode::OutOfRange,
                 ));
             }
-            let store = |done| watch(done);
-            let (_, part) = brightness_part(self.source.as_ref(), &request, &view, Some(window), &store)?;
+            let (_, part) = brightness_part(&prepared, Some(window), &|done| watch(done))?;
             Ok(part.values().to_vec())
         };
         part().map_err(|error: AppError| Box::new(problem(&error)))
+    }
+
+    /// What the parts of a map have in common: that of the last map is kept, for they are asked for one after the other.
+    fn prepared(
+        &self,
+        request: &BrightnessRequest,
+        view: &SceneView,
+    ) -> Result<Arc<PreparedBrightness>, AppError> {
+        let content = brightness_content(request, view.version(), self.source.facts())?;
+        let mut kept = self.last_map.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, prepared)) = &*kept
+            && *of == content
+        {
+            return Ok(Arc::clone(prepared));
+        }
+        // Two at a time would take twice the memory.
+        *kept = None;
+        let prepared = Arc::new(self.source.prepare_brightness(request, view)?);
+        *kept = Some((content, Arc::clone(&prepared)));
+        Ok(prepared)
     }
 
     fn map(&self, question: &MapQuestion<'_>) -> Result<(BrightnessRequest, SceneView), AppError> {

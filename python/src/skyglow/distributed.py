@@ -16,7 +16,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +41,8 @@ class Report:
 
     def open(self) -> xarray.Dataset:
         """The map; shards that are not made yet are NaN."""
-        return xarray.open_zarr(self.path, consolidated=False, chunks=None)
+        opened: xarray.Dataset = xarray.open_zarr(self.path, consolidated=False, chunks=None)
+        return opened
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +95,7 @@ def atlas(
     begun = time.monotonic()
     job = _Job(scene, places, _text(packs), _text(data), tuple(sorted(parameters.items())))
     frame = _frame(job, bounds) if client is None else client.submit(_frame, job, bounds, pure=False).result()
-    shards = open_shards(out, frame, tile, resume=resume)
+    shards = open_shards(Path(out), frame, tile, resume=resume)
     wanted = shards.over(frame.window)
     missing = [shard for shard in wanted if not shards.has(shard)]
     found = len(wanted) - len(missing)
@@ -122,17 +123,17 @@ def _shown(done: int, shards: int) -> None:
 _Bake = tuple[str, str, _Job, str]
 
 
-def _here(bake: _Bake, missing: list[Tile]) -> Iterator[Tile]:
+def _here(bake: _Bake, missing: list[Tile]) -> Generator[Tile, None, None]:
     for shard in missing:
         yield _made(bake, shard)
 
 
-def _by_workers(client: Any, bake: _Bake, missing: list[Tile]) -> Iterator[Tile]:
-    from dask.distributed import as_completed
+def _by_workers(client: Any, bake: _Bake, missing: list[Tile]) -> Generator[Tile, None, None]:
+    from dask import distributed
 
     futures = client.map(functools.partial(_made, bake), missing, pure=False, key="skyglow-shard")
     try:
-        for future in as_completed(futures):
+        for future in distributed.as_completed(futures):  # type: ignore[no-untyped-call]
             yield future.result()
     finally:
         # Where one failed, or the caller ended it, the others are not wanted.

@@ -41,7 +41,8 @@ class Shards:
     def __init__(self, folder: Path, name: str) -> None:
         self.folder, self.name = folder, name
         self._array = zarr.open_array(folder / name, mode="r+").with_config(CONFIG)
-        self.tile: Tile = self._array.shards or self._array.chunks
+        rows, columns = self._array.shards or self._array.chunks
+        self.tile: Tile = (rows, columns)
 
     def at(self, shard: Tile) -> Window:
         """The window of a shard by its row and column among shards."""
@@ -87,13 +88,11 @@ class Shards:
             path.unlink(missing_ok=True)
 
 
-def open_shards(out: str | Path, frame: Frame, tile: Tile | None, *, resume: bool) -> Shards:
+def open_shards(folder: Path, frame: Frame, tile: Tile | None, *, resume: bool) -> Shards:
     """The map of a frame on disk, made where it is not there yet.
 
-    Raises:
-        SkyglowError: another map is there, or the same in shards of another size.
+    A :class:`SkyglowError` where another map is there, or the same in shards of another size.
     """
-    folder = Path(out)
     name = variable(frame)
     if folder.exists() and any(folder.iterdir()):
         found = _key(folder)
@@ -162,7 +161,7 @@ def _create(folder: Path, name: str, frame: Frame, tile: Tile) -> None:
         sides = ((names[0], y, down, frame.shape[0]), (names[1], x, across, frame.shape[1]))
         for (side, first, step, count), (standard, units, axis) in zip(sides, _axes(reference), strict=True):
             values = first + step * (np.arange(count) + 0.5)
-            attributes = {"standard_name": standard, "units": units, "axis": axis}
+            attributes: Any = {"standard_name": standard, "units": units, "axis": axis}
             group.create_array(side, data=values, chunks=values.shape, dimension_names=(side,), attributes=attributes)
     mapping = {**reference.to_cf(), "GeoTransform": " ".join(repr(float(part)) for part in frame.transform)}
     group.create_array("spatial_ref", data=np.array(0, np.int32), dimension_names=(), attributes=mapping)

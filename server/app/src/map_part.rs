@@ -5,10 +5,9 @@ use crate::{
     error::AppError,
     facts::SourceFacts,
     fingerprint::brightness_content,
-    source::SkySource,
 };
 use serde::Serialize;
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, SceneView};
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, PreparedBrightness, SceneView};
 use skyglow_scene::{PatchStore, PlaceValues, PlaceWindow};
 
 /// What a map of brightness will be, before any of it is found.
@@ -74,18 +73,16 @@ pub fn window_within(request: &BrightnessRequest, view: &SceneView, bounds: [f64
 /// Finds a part of a map: the map, in which only places near the window have numbers, and the numbers of the window.
 ///
 /// * `window`: None for all places.
-/// * `store`: as in [`SkySource::brightness`].
+/// * `store`: as in [`SkySource::brightness`](crate::SkySource::brightness).
 ///
 /// # Errors
-/// As [`SkySource::brightness`]; [`AppError::Internal`] for a window beyond the map.
+/// [`AppError::EngineDown`] where the store cancelled it; [`AppError::Internal`] for a window beyond the map.
 pub fn brightness_part(
-    source: &dyn SkySource,
-    request: &BrightnessRequest,
-    view: &SceneView,
+    prepared: &PreparedBrightness,
     window: Option<&PlaceWindow>,
     store: &dyn PatchStore,
 ) -> Result<(BrightnessMap, PlaceValues), AppError> {
-    let map = source.brightness(request, view, &OfWindow { store, window })?;
+    let map = prepared.find(&OfWindow { store, window })?;
     let part = part_within(map.places(), window)?;
     Ok((map, part))
 }

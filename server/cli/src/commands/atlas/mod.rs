@@ -177,7 +177,8 @@ impl Atlas {
         let window = self.window(view.scene())?;
         let store = PartStore { file: PartFile::open(part, &key)?, stages };
         stages.begin("brightness of places", 1000);
-        let (map, places) = brightness_part(source.as_ref(), &request, &view, window.as_ref(), &store)
+        let prepared = source.prepare_brightness(&request, &view).map_err(failure)?;
+        let (map, places) = brightness_part(&prepared, window.as_ref(), &store)
             .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error)))?;
         let assumptions = BrightnessAssumptions::new(&request, &map, source.facts());
         for warning in &assumptions.warnings {
