@@ -1,5 +1,6 @@
-"""The Kubernetes job that bakes a map in strips: its document, and what its shell does for two of its pods."""
+"""The Kubernetes job that bakes a map in strips: its document, and what its shell does in a pod."""
 
+import itertools
 import os
 import pathlib
 import subprocess
@@ -10,6 +11,7 @@ import rasterio
 import yaml
 
 JOB = pathlib.Path(__file__).parents[2] / "deploy/kubernetes/atlas-job.yaml"
+SIDES = ("WEST", "SOUTH", "EAST", "NORTH")
 
 
 @pytest.fixture(scope="module")
@@ -23,51 +25,65 @@ def container(job):
     return container
 
 
-def test_a_pod_bakes_each_strip(job, container):
+@pytest.fixture(scope="module")
+def variables(container):
+    return {entry["name"]: entry["value"] for entry in container["env"]}
+
+
+def bake(container, variables, program, folder, index, **more):
+    """What a pod does, with `skyglow` found in a folder."""
+    path = f"{program.parent}:{os.environ['PATH']}"
+    environment = {**variables, "PATH": path, "FOLDER": str(folder), "JOB_COMPLETION_INDEX": str(index), **more}
+    subprocess.run([*container["command"], *container["args"]], env=environment, check=True, capture_output=True)
+    return folder / f"strip-{index}.tif"
+
+
+def test_a_pod_bakes_each_strip(job, container, variables):
     spec = job["spec"]
-    variables = {entry["name"]: entry["value"] for entry in container["env"]}
     assert (job["apiVersion"], job["kind"], spec["completionMode"]) == ("batch/v1", "Job", "Indexed")
     assert spec["completions"] == int(variables["STRIPS"])
-    # What an indexed job with a limit for each index must have.
+    # What a limit of tries for each index goes with.
     assert spec["template"]["spec"]["restartPolicy"] == "Never"
     assert all(isinstance(value, str) for value in variables.values()), "Kubernetes refuses numbers here"
     mounted = {mount["name"] for mount in container["volumeMounts"]}
     assert mounted == {volume["name"] for volume in spec["template"]["spec"]["volumes"]}
 
 
-def test_its_strips_make_the_whole_map(client, container, tmp_path):
-    """Two strips of the demo, as two pods make them, have all of its places and the same numbers where they meet."""
-    west, south, east, north = client.get("/api/v1/scenes/demo")["bounds"]
+def test_strips_meet_and_are_the_whole(container, variables, tmp_path):
+    """A program in the place of `skyglow` writes down what it is asked for."""
+    program = tmp_path / "skyglow"
+    program.write_text('#!/bin/sh\nfor last; do :; done\necho "$2" >"$last"\n')
+    program.chmod(0o755)
+    found = []
+    for index in range(int(variables["STRIPS"])):
+        said = bake(container, variables, program, tmp_path / "atlas", index).read_text()
+        assert said.startswith("--bounds=")
+        found.append([float(part) for part in said.removeprefix("--bounds=").split(",")])
+    west, south, east, north = (float(variables[side]) for side in SIDES)
+    assert {(strip[0], strip[2]) for strip in found} == {(west, east)}
+    assert (found[0][3], found[-1][1]) == (north, south)
+    for upper, lower in itertools.pairwise(found):
+        assert upper[1] == lower[3] < upper[3]
+
+
+def test_a_strip_is_baked_once(client, container, variables, tmp_path):
+    """The first of three strips of the demo has the first third of its places, and is kept when it is there."""
+    bounds = client.get("/api/v1/scenes/demo")["bounds"]
     program = pathlib.Path(os.environ["SKYGLOW_PROGRAM"])
-    variables = {entry["name"]: entry["value"] for entry in container["env"]} | {
-        "PATH": f"{program.parent}:{os.environ['PATH']}",
+    more = {
         "SKYGLOW_DATA": os.environ["SKYGLOW_ENGINE_DATA"],
         "SKYGLOW_PACKS": os.environ["SKYGLOW_ENGINE_PACKS"],
         "SKYGLOW_PLACES": "20000",
-        "FOLDER": str(tmp_path / "atlas"),
-        "STRIPS": "2",
-        **{
-            name: str(value)
-            for name, value in zip(("WEST", "SOUTH", "EAST", "NORTH"), (west, south, east, north), strict=True)
-        },
+        "STRIPS": "3",
+        **{side: str(bound) for side, bound in zip(SIDES, bounds, strict=True)},
     }
-
-    def bake(**more):
-        command = [*container["command"], *container["args"]]
-        subprocess.run(command, env={**variables, **more}, check=True, capture_output=True)
-
-    for index in (0, 1):
-        bake(JOB_COMPLETION_INDEX=str(index))
-    bake(JOB_COMPLETION_INDEX="0", STRIPS="1", FOLDER=str(tmp_path / "whole"))
-    strips, whole = [], None
-    for index in (0, 1):
-        with rasterio.open(tmp_path / f"atlas/strip-{index}.tif") as file:
-            strips.append(file.read(1))
-    with rasterio.open(tmp_path / "whole/strip-0.tif") as file:
-        whole = file.read(1)
-    assert np.array_equal(np.concatenate(strips), whole, equal_nan=True)
-    # What is there is kept.
-    there = tmp_path / "atlas/strip-0.tif"
-    written_ns = there.stat().st_mtime_ns
-    bake(JOB_COMPLETION_INDEX="0")
-    assert there.stat().st_mtime_ns == written_ns
+    strip = bake(container, variables, program, tmp_path / "atlas", 0, **more)
+    with rasterio.open(strip) as file:
+        values, edges = file.read(1), file.bounds
+    assert values.shape[1] > 2 * values.shape[0] > 40
+    assert np.all(values > 0)
+    assert edges.top == pytest.approx(bounds[3])
+    assert edges.bottom == pytest.approx(bounds[3] - (bounds[3] - bounds[1]) / 3, abs=0.01)
+    written_ns = strip.stat().st_mtime_ns
+    bake(container, variables, program, tmp_path / "atlas", 0, **more)
+    assert strip.stat().st_mtime_ns == written_ns
