@@ -1,6 +1,7 @@
 #!/bin/sh
 # Builds the wheels of the Python package and of its engine into target/wheels, installs both into an empty environment, asks there
-# for a sky in three lines, and runs the tests that compare the engine with a server. Needs a Rust tool chain, not Python's headers.
+# for a sky in three lines, and runs the tests that compare the engine with a server, and maps by several processes with the program's.
+# Needs a Rust tool chain, not Python's headers.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -39,4 +40,4 @@ print(f"zenith {sky.zenith_total_brightness_mag_arcsec2:.2f} mag/arcsec2, Bortle
 END
 )
 
-scripts/python_package.sh python/tests/test_engine.py "$@"
+scripts/python_package.sh python/tests/test_engine.py python/tests/test_distributed.py "$@"

@@ -14,6 +14,14 @@ class Engine:
     def answer(self, address: str, query: str = "", body: bytes | None = None) -> bytes:
         """What the HTTP interface answers a GET at an address, or with a body a POST: the same bytes."""
 
+    def map_frame(
+        self, scene: str, query: str, places: int, bounds: tuple[float, float, float, float] | None = None
+    ) -> str:
+        """What a map of brightness will be, as JSON, and which places lie within bounds; nothing of it is found."""
+
+    def map_part(self, scene: str, query: str, places: int, columns: tuple[int, int], rows: tuple[int, int]) -> bytes:
+        """The numbers of a part of that map: float32 of this machine, row by row from the north, NaN for none."""
+
     @property
     def executor(self) -> str:
         """What renders: ``gpu``, ``lavapipe`` or ``cpu``."""

@@ -17,10 +17,15 @@ use skyglow_app::{
     request::{self, Keeping, no_parameters, scenario_alone, scene_id},
     sky_lines::each_sky_line,
 };
-use skyglow_observatory::{CacheSizes, MAX_PLACES, RenderedSky, SceneView, SkyRequest, Watch};
+use skyglow_observatory::{
+    CacheSizes, MAX_PLACES, PreparedBrightness, RenderedSky, SceneView, SkyRequest, Watch,
+};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{ChangeLimits, Posting, SceneId, TileLayer};
-use std::{path::Path, sync::Arc};
+use std::{
+    path::Path,
+    sync::{Arc, Mutex},
+};
 use tokio::runtime::{Builder, Runtime};
 
 /// Threads that look after the skies under way. What they compute has threads of its own.
@@ -32,7 +37,9 @@ const FORMATS: [Format; 6] =
 
 /// An engine with its packs before the scenes of a folder.
 pub struct Answers {
-    source: Arc<dyn SkySource>,
+    pub(crate) source: Arc<dyn SkySource>,
+    /// The map of which a part was asked for last, with what decides it.
+    pub(crate) last_map: Mutex<Option<(String, Arc<PreparedBrightness>)>>,
     runtime: Runtime,
 }
 
@@ -69,7 +76,7 @@ impl Answers {
             .thread_name("skyglow-engine")
             .enable_time()
             .build()?;
-        Ok(Self { source, runtime })
+        Ok(Self { source, last_map: Mutex::new(None), runtime })
     }
 
     /// What renders.
@@ -261,7 +268,7 @@ fn json(answer: &impl Serialize) -> Result<Vec<u8>, AppError> {
 }
 
 /// A problem as the HTTP interface says it, but for what is meant for a server's clients alone.
-fn problem(error: &AppError) -> LineError {
+pub(crate) fn problem(error: &AppError) -> LineError {
     let mut problem = LineError::from(error);
     match error {
         // There is no log that would say more.

@@ -6,6 +6,7 @@
 
 pub mod addresses;
 pub mod answers;
+pub mod map_parts;
 #[cfg(not(test))]
 mod module;
 #[cfg(not(test))]

@@ -2,6 +2,7 @@
 
 use crate::{
     answers::{Answers, Question},
+    map_parts::MapQuestion,
     waiting::beside_python,
 };
 use pyo3::{
@@ -12,7 +13,7 @@ use pyo3::{
 };
 use skyglow_app::problem::LineError;
 use skyglow_render::DeviceChoice;
-use skyglow_scene::{SceneStore, create_demo, demo_is_wanted};
+use skyglow_scene::{PlaceWindow, SceneStore, create_demo, demo_is_wanted};
 use std::{
     path::PathBuf,
     process,
@@ -86,6 +87,46 @@ impl Engine {
         let answers = self.answers()?;
         let question = Question { address, query, body };
         let watched = |goes_on: &AtomicBool| answers.answer(&question, &|_| goes_on.load(Ordering::Relaxed));
+        match beside_python(py, watched)? {
+            Ok(bytes) => Ok(PyBytes::new(py, &bytes)),
+            Err(problem) => Err(refused(&problem)),
+        }
+    }
+
+    /// What a map of brightness will be, as JSON, and which of its places lie within bounds; nothing of it is found.
+    #[pyo3(signature = (scene, query, places, bounds = None))]
+    fn map_frame(
+        &self,
+        py: Python<'_>,
+        scene: &str,
+        query: &str,
+        places: u32,
+        bounds: Option<[f64; 4]>,
+    ) -> PyResult<String> {
+        let answers = self.answers()?;
+        let question = MapQuestion { scene, query, places };
+        let framed = beside_python(py, |_| answers.map_frame(&question, bounds))?;
+        framed.map_err(|problem| refused(&problem))
+    }
+
+    /// The numbers of a part of that map, from the first column and row to those before the last: float32 of this machine, row by row
+    /// from the north, NaN where there is none.
+    fn map_part<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &str,
+        query: &str,
+        places: u32,
+        columns: (u32, u32),
+        rows: (u32, u32),
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let answers = self.answers()?;
+        let question = MapQuestion { scene, query, places };
+        let window = PlaceWindow { columns: columns.0..columns.1, rows: rows.0..rows.1 };
+        let watched = |goes_on: &AtomicBool| {
+            let part = answers.map_part(&question, &window, &|_| goes_on.load(Ordering::Relaxed));
+            part.map(|values| values.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<u8>>())
+        };
         match beside_python(py, watched)? {
             Ok(bytes) => Ok(PyBytes::new(py, &bytes)),
             Err(problem) => Err(refused(&problem)),

@@ -6,6 +6,7 @@ the zenith; extinction is the server's vertical optical depth times the airmass 
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import astropy.units as u
@@ -20,7 +21,7 @@ from .client import Client
 
 SURFACE_BRIGHTNESS = u.mag / u.arcsec**2
 LUMINANCE = u.cd / u.m**2
-MAGNITUDES_PER_OPTICAL_DEPTH = 2.5 * np.log10(np.e)
+MAGNITUDES_PER_OPTICAL_DEPTH = 2.5 * math.log10(math.e)
 V_NM = 550.0
 
 

@@ -7,6 +7,7 @@ import json
 import os
 import sys
 import urllib.parse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -75,11 +76,15 @@ class Engine(Questions):
 
     def _answer(self, call: Call[T]) -> T:
         body = None if call.json is None else json.dumps(call.json).encode()
+        query = urllib.parse.urlencode(call.query)
+        return call.read(_Bytes(self._asked(lambda engine: engine.answer(call.path, query, body))))
+
+    def _asked(self, ask: Callable[[Any], T]) -> T:
+        """What the compiled engine answers: :mod:`skyglow.maps` asks what the HTTP interface has not."""
         try:
-            content = self._engine.answer(call.path, urllib.parse.urlencode(call.query), body)
+            return ask(self._engine)
         except self._refused as refused:
             raise problem_in(json.loads(refused.args[0])) from None
-        return call.read(_Bytes(content))
 
 
 def _data_folder() -> Path:

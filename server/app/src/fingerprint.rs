@@ -32,8 +32,12 @@ pub fn canonical_bytes(request: &impl Serialize) -> Result<Vec<u8>, AppError> {
 /// # Errors
 /// As [`canonical_bytes`].
 pub fn fingerprint(parts: &impl Serialize) -> Result<String, AppError> {
+    hash_of(program(), parts)
+}
+
+fn hash_of(program: &str, parts: &impl Serialize) -> Result<String, AppError> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(program().as_bytes());
+    hasher.update(program.as_bytes());
     hasher.update(&canonical_bytes(parts)?);
     Ok(hasher.finalize().to_hex()[..32].to_owned())
 }
@@ -57,6 +61,19 @@ pub fn brightness_key(
     facts: &SourceFacts,
 ) -> Result<String, AppError> {
     fingerprint(&("brightness", request, scene_version, &facts.pack_checksums))
+}
+
+/// What decides the same but for the program, whose executable is another one on each machine where it is an interpreter.
+///
+/// # Errors
+/// As [`canonical_bytes`].
+pub fn brightness_content(
+    request: &BrightnessRequest,
+    scene_version: &str,
+    facts: &SourceFacts,
+) -> Result<String, AppError> {
+    let version = env!("CARGO_PKG_VERSION");
+    hash_of(version, &("brightness", request, scene_version, &facts.pack_checksums))
 }
 
 #[cfg(test)]

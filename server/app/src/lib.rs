@@ -2,7 +2,7 @@
 //!
 //! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
 //! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
-//! [`plan_file`], [`shares_file`], [`horizon_file`], [`layer_file`], [`sky_lines`]). [`quantities`] names the numbers of a sky.
+//! [`plan_file`], [`shares_file`], [`horizon_file`], [`layer_file`], [`sky_lines`]), or is found in parts ([`map_part`]). [`quantities`] names the numbers of a sky.
 
 pub mod accept;
 pub mod answers;
@@ -15,6 +15,7 @@ pub mod format;
 pub mod horizon_file;
 pub mod influence_file;
 pub mod layer_file;
+pub mod map_part;
 pub mod negotiated_parameters;
 pub mod observatory;
 pub mod opening;

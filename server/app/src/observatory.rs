@@ -11,8 +11,8 @@ use crate::{
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
-    MAX_PLACES, Observatory, ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord,
-    SceneView, SkyAtTime, SkyRequest, SkyTime, Watch,
+    MAX_PLACES, Observatory, ObservatoryError, PlanOutcome, PlanRequest, PreparedBrightness, RenderedSky,
+    ScenarioRecord, SceneView, SkyAtTime, SkyRequest, SkyTime, Watch,
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{
@@ -229,6 +229,14 @@ impl SkySource for ObservatorySource {
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError> {
         Ok(self.observatory.brightness_in(view, request, store)?)
+    }
+
+    fn prepare_brightness(
+        &self,
+        request: &BrightnessRequest,
+        view: &SceneView,
+    ) -> Result<PreparedBrightness, AppError> {
+        Ok(self.observatory.prepare_brightness(view, request)?)
     }
 
     fn darker(

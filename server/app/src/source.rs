@@ -9,8 +9,8 @@ use crate::{
 };
 use skyglow_observatory::{
     BrightnessMap, BrightnessRequest, DarkerPlaces, DarkerRequest, InfluenceMap, InfluenceRequest,
-    ObservatoryError, PlanOutcome, PlanRequest, RenderedSky, ScenarioRecord, SceneView, Site, SkyAtTime,
-    SkyRequest, SkyTime, Watch,
+    ObservatoryError, PlanOutcome, PlanRequest, PreparedBrightness, RenderedSky, ScenarioRecord, SceneView,
+    Site, SkyAtTime, SkyRequest, SkyTime, Watch,
 };
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
@@ -140,6 +140,17 @@ pub trait SkySource: Send + Sync + 'static {
         view: &SceneView,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError>;
+    /// What all parts of such a map have in common; takes seconds of all cores.
+    ///
+    /// # Errors
+    /// A turbidity out of range.
+    fn prepare_brightness(
+        &self,
+        _request: &BrightnessRequest,
+        _view: &SceneView,
+    ) -> Result<PreparedBrightness, AppError> {
+        Err(AppError::internal("this program finds no parts of maps"))
+    }
     /// Finds darker places near a place; takes tenths of a second of all cores. `watch` as in [`Self::influence`].
     ///
     /// # Errors

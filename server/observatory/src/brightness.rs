@@ -158,41 +158,40 @@ impl Observatory {
         way: Option<SumWay>,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, ObservatoryError> {
-        // Threads of its own: in those that skies are rendered by, skies would wait until the map is found.
-        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
-            Ok(threads) => threads.install(|| self.find_brightness(view, request, way, store)),
-            Err(_) => self.find_brightness(view, request, way, store),
-        }
+        on_own_threads(|| {
+            let prepared = self.prepare(view, request, way)?;
+            prepared.find_here(store)
+        })
     }
 
-    fn find_brightness(
+    /// What all parts of a map have in common, for whoever finds them one after the other. Takes seconds of all cores.
+    ///
+    /// # Errors
+    /// As [`Self::brightness_in`].
+    pub fn prepare_brightness(
+        &self,
+        view: &SceneView,
+        request: &BrightnessRequest,
+    ) -> Result<PreparedBrightness, ObservatoryError> {
+        on_own_threads(|| self.prepare(view, request, None))
+    }
+
+    fn prepare(
         &self,
         view: &SceneView,
         request: &BrightnessRequest,
         way: Option<SumWay>,
-        store: &dyn PatchStore,
-    ) -> Result<BrightnessMap, ObservatoryError> {
-        let mut steps = Vec::new();
-        let mut clock = Instant::now();
-        let mut step = |name: &'static str| {
-            steps.push((name, clock.elapsed()));
-            clock = Instant::now();
-        };
+    ) -> Result<PreparedBrightness, ObservatoryError> {
+        let mut clock = Clock::new(Vec::new());
         let scene = Arc::clone(view.scene());
         let lattice = scene.place_lattice(request.max_places);
         let altitudes_m: Vec<f32> =
             scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
-        step("ground");
-        let values = self.seen_at(&scene, request, (lattice, &altitudes_m), way, store, &mut step)?;
-        let places = PlaceValues::new(lattice, values).ok_or(RenderError::Ended)?;
-        Ok(BrightnessMap {
-            scene,
-            places,
-            measure: request.measure,
-            response: request.response.clone(),
-            steps,
-        })
+        clock.step("ground");
+        let places = (lattice, &altitudes_m[..]);
+        let kernels = self.kernels(&scene, request, places, way, &mut |name| clock.step(name))?;
+        let (measure, response) = (request.measure, request.response.clone());
+        Ok(PreparedBrightness { scene, lattice, altitudes_m, kernels, measure, response, steps: clock.steps })
     }
 
     /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
@@ -205,7 +204,6 @@ impl Observatory {
     /// What is seen at the places of a lattice; NaN where the altitude is.
     ///
     /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
-    /// * `way`: how lights are summed; None takes what [`Scene::way_to_sum`] says.
     ///
     /// # Errors
     /// As [`Self::brightness_in`].
@@ -213,11 +211,22 @@ impl Observatory {
         &self,
         scene: &Scene,
         request: &BrightnessRequest,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
-        way: Option<SumWay>,
+        places: (PlaceLattice, &[f32]),
         store: &dyn PatchStore,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Vec<f32>, ObservatoryError> {
+        self.kernels(scene, request, places, None, step)?.sums(scene, places, store, step)
+    }
+
+    /// What the packs say each light does to places of a lattice.
+    fn kernels(
+        &self,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        way: Option<SumWay>,
+        step: &mut dyn FnMut(&'static str),
+    ) -> Result<Kernels, ObservatoryError> {
         let solver = self.influences.solver(&self.engine);
         let to_render = |turbidity: Turbidity| RenderRequest {
             polar: Arc::new(dark()),
@@ -236,14 +245,14 @@ impl Observatory {
             Some([lowest.min(altitude_m), highest.max(altitude_m)])
         });
         let hides = request.terrain_hides && self.hides_lights(request.kind());
+        let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
         let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
-            return Ok(altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect());
+            return Ok(Kernels { of_packs: Vec::new(), weights: Vec::new(), hides, way });
         };
         let range =
             KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
         let measure = request.measure.weights(&Horizon::flat());
-        let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
-        let mut of_packs: Vec<Vec<f32>> = Vec::new();
+        let mut of_packs: Vec<Vec<PlaceKernel>> = Vec::new();
         for pack in stencil.nodes() {
             let at_pack =
                 to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
@@ -255,18 +264,112 @@ impl Observatory {
                 let rule = fixture.light(&request.lamp).rule(&request.response);
                 place_kernel(solver, &of_fixture, (&measure, &rule), &range, hides)
             };
-            let kernels: Vec<PlaceKernel> =
-                scene.fixtures().iter().map(kernel).collect::<Result<_, ObservatoryError>>()?;
+            let kernels: Result<_, ObservatoryError> = scene.fixtures().iter().map(kernel).collect();
+            of_packs.push(kernels?);
             step("kernel");
-            let of_pack = OfPack { store, pack: of_packs.len(), packs: stencil.nodes().len() };
-            let sums = scene.sum_at_places(lattice, altitudes_m, &kernels, hides, way, &of_pack);
+        }
+        Ok(Kernels { of_packs, weights: stencil.weights().to_vec(), hides, way })
+    }
+}
+
+/// What each light does to places, by the packs around the turbidity, and how lights are summed.
+#[derive(Debug)]
+struct Kernels {
+    /// Of each kind of fixture, by pack; without packs there is no light, or no place.
+    of_packs: Vec<Vec<PlaceKernel>>,
+    weights: Vec<f64>,
+    hides: bool,
+    way: SumWay,
+}
+
+impl Kernels {
+    /// As [`Observatory::seen_at`].
+    fn sums(
+        &self,
+        scene: &Scene,
+        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        store: &dyn PatchStore,
+        step: &mut dyn FnMut(&'static str),
+    ) -> Result<Vec<f32>, ObservatoryError> {
+        let mut of_packs: Vec<Vec<f32>> = Vec::new();
+        for (pack, kernels) in self.of_packs.iter().enumerate() {
+            let of_pack = OfPack { store, pack, packs: self.of_packs.len() };
+            let sums = scene.sum_at_places(lattice, altitudes_m, kernels, self.hides, self.way, &of_pack);
             of_packs.push(sums.ok_or(RenderError::Ended)?);
             step("sums");
         }
         Ok(match of_packs.len() {
+            0 => altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect(),
             1 => of_packs.swap_remove(0),
-            _ => blended(&of_packs, stencil.weights()),
+            _ => blended(&of_packs, &self.weights),
         })
+    }
+}
+
+/// A map of which any part can be found: what the parts have in common.
+#[derive(Debug)]
+pub struct PreparedBrightness {
+    scene: Arc<Scene>,
+    lattice: PlaceLattice,
+    /// Of the eye at every place, metres.
+    altitudes_m: Vec<f32>,
+    kernels: Kernels,
+    measure: MapMeasure,
+    response: Response,
+    steps: Vec<(&'static str, Duration)>,
+}
+
+impl PreparedBrightness {
+    /// The map, as far as `store` wants it; as [`Observatory::brightness_in`].
+    ///
+    /// # Errors
+    /// [`RenderError::Ended`] where the store cancelled it.
+    pub fn find(&self, store: &dyn PatchStore) -> Result<BrightnessMap, ObservatoryError> {
+        on_own_threads(|| self.find_here(store))
+    }
+
+    /// Its places.
+    pub fn lattice(&self) -> PlaceLattice {
+        self.lattice
+    }
+
+    fn find_here(&self, store: &dyn PatchStore) -> Result<BrightnessMap, ObservatoryError> {
+        let mut clock = Clock::new(self.steps.clone());
+        let places = (self.lattice, &self.altitudes_m[..]);
+        let values = self.kernels.sums(&self.scene, places, store, &mut |name| clock.step(name))?;
+        Ok(BrightnessMap {
+            scene: Arc::clone(&self.scene),
+            places: PlaceValues::new(self.lattice, values).ok_or(RenderError::Ended)?,
+            measure: self.measure,
+            response: self.response.clone(),
+            steps: clock.steps,
+        })
+    }
+}
+
+/// How long each step takes.
+struct Clock {
+    steps: Vec<(&'static str, Duration)>,
+    begun: Instant,
+}
+
+impl Clock {
+    fn new(steps: Vec<(&'static str, Duration)>) -> Self {
+        Self { steps, begun: Instant::now() }
+    }
+
+    fn step(&mut self, name: &'static str) {
+        self.steps.push((name, self.begun.elapsed()));
+        self.begun = Instant::now();
+    }
+}
+
+/// Does work in threads of its own: in those that skies are rendered by, skies would wait until a map is found.
+fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
+        Ok(threads) => threads.install(work),
+        Err(_) => work(),
     }
 }
 

@@ -123,8 +123,7 @@ impl Observatory {
         let altitudes_m: Vec<f32> = candidates.iter().map(eye_m).collect();
         step("ground");
         let note = |done: f64| watch(done);
-        let sums =
-            self.seen_at(scene, &request.brightness, (lattice, &altitudes_m), None, &note, &mut step)?;
+        let sums = self.seen_at(scene, &request.brightness, (lattice, &altitudes_m), &note, &mut step)?;
         for (candidate, value) in candidates.iter_mut().zip(sums) {
             if let Some(candidate) = candidate {
                 candidate.value = value;

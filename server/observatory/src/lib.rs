@@ -29,7 +29,7 @@ mod sky_at_times;
 mod surroundings;
 mod watch;
 
-pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES};
+pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, PreparedBrightness};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};

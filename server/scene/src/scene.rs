@@ -2,7 +2,7 @@
 
 use crate::blocked_sources;
 use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
-use crate::convolution::Convolution;
+use crate::convolution::{self, Convolution};
 use crate::coverage;
 use crate::dual_tree;
 use crate::dual_tree::{
@@ -484,6 +484,28 @@ impl Scene {
         GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))
     }
 
+    /// GDAL's six coefficients of a raster with a pixel for each place of a lattice.
+    pub fn lattice_geotransform(&self, lattice: PlaceLattice) -> [f64; 6] {
+        lattice.geotransform(self.metadata.grid.geotransform)
+    }
+
+    /// Columns and rows of a lattice that [`Self::sum_at_places`] finds together: windows that are made of whole ones cost no more
+    /// than their share of the whole lattice.
+    pub fn patch_size(&self, lattice: PlaceLattice) -> [u32; 2] {
+        let side = dual_tree::root_side(lattice, self.place_step_m(lattice));
+        let convolves = self.way_to_sum(lattice) == SumWay::Convolution
+            && Convolution::new(&self.grid, &[], lattice, &[]).is_some();
+        match convolves {
+            true => [lattice.columns, convolution::strip_rows(lattice).max(side)],
+            false => [side; 2],
+        }
+    }
+
+    /// Metres from one place of a lattice to the next.
+    fn place_step_m(&self, lattice: PlaceLattice) -> f64 {
+        self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step)
+    }
+
     /// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
     /// the world.
     pub fn ground_altitudes_m(&self, lattice: PlaceLattice) -> Vec<f32> {
@@ -521,7 +543,7 @@ impl Scene {
                 Some((layer.light(&self.grid, self.metadata.calibration, hides), &kernels[kind]))
             })
             .collect();
-        let step_m = self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step);
+        let step_m = self.place_step_m(lattice);
         let tree = |sum: SumOf, store: &dyn PatchStore| {
             let sources = Sources { grid: &self.grid, layers: &layers, sum };
             dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)

@@ -9,7 +9,7 @@ use crate::facts::SourceFacts;
 use serde::Serialize;
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MapMeasure};
 use skyglow_physics::Response;
-use skyglow_scene::ChangeId;
+use skyglow_scene::{ChangeId, SceneMetadata};
 
 /// What every number of a map of brightness depends on; written into its rasters.
 #[derive(Clone, Debug, Serialize)]
@@ -62,7 +62,18 @@ pub fn brightness_shows(measure: MapMeasure, response: &Response) -> String {
 impl BrightnessAssumptions {
     /// Those of a map.
     pub fn new(request: &BrightnessRequest, map: &BrightnessMap, facts: &SourceFacts) -> Self {
-        let scene = map.scene();
+        Self::of_scene(request, map.scene(), map.places().lattice().step, facts)
+    }
+
+    /// The same before it is found.
+    ///
+    /// * `step_pixels`: pixels of the scene from one place to the next.
+    pub fn of_scene(
+        request: &BrightnessRequest,
+        scene: &SceneMetadata,
+        step_pixels: u32,
+        facts: &SourceFacts,
+    ) -> Self {
         let kind = facts.kinds_under(None).find(|kind| kind.scattering == request.scattering);
         let edge =
             "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
@@ -81,7 +92,7 @@ impl BrightnessAssumptions {
             response: (&request.response).into(),
             emission: request.emission.into(),
             hidden_lights: hides_lights(request.terrain_hides, scene, kind),
-            step_pixels: map.places().lattice().step,
+            step_pixels,
             warnings: std::iter::once(edge).chain(open).collect(),
         }
     }

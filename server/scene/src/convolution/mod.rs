@@ -38,6 +38,11 @@ const MAX_PIXELS: usize = 40_000_000;
 /// A pixel is at most so many times as long as wide.
 const MAX_ASPECT: f64 = 4.0;
 
+/// Rows of places that are summed together.
+pub(crate) fn strip_rows(lattice: PlaceLattice) -> u32 {
+    (STRIP_PIXELS / lattice.step).max(1)
+}
+
 /// Sums by convolution over the lights of a raster along parallels and meridians.
 pub(crate) struct Convolution<'a> {
     grid: &'a Grid,
@@ -96,8 +101,7 @@ impl<'a> Convolution<'a> {
     /// `store` cancelled.
     pub(crate) fn sum(&self, store: &dyn PatchStore) -> Option<Vec<f32>> {
         let columns = self.lattice.columns as usize;
-        let (rows, strip_rows) =
-            (self.lattice.rows as usize, (STRIP_PIXELS / self.lattice.step).max(1) as usize);
+        let (rows, strip_rows) = (self.lattice.rows as usize, strip_rows(self.lattice) as usize);
         let mut bands = None;
         let mut all = Vec::with_capacity(self.lattice.len());
         for (number, first) in (0u64..).zip((0..rows).step_by(strip_rows)) {

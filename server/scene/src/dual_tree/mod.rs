@@ -89,7 +89,7 @@ pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Opti
 }
 
 /// Places along a side of a root patch: a power of two times [`LEAF_SIDE_PLACES`].
-fn root_side(lattice: PlaceLattice, step_m: f64) -> u32 {
+pub(crate) fn root_side(lattice: PlaceLattice, step_m: f64) -> u32 {
     let mut side = LEAF_SIDE_PLACES;
     while f64::from(2 * side) * step_m <= MAX_ROOT_SIDE_M && side < lattice.columns.max(lattice.rows) {
         side *= 2;

@@ -19,12 +19,13 @@ use skyglow_app::{
     answers::{BrightnessAssumptions, brightness_shows},
     facts::SourceFacts,
     fingerprint::brightness_key,
+    map_part::{brightness_part, part_within},
     parameters::BrightnessParameters,
     request,
 };
 use skyglow_display::tile::RADIANCE_RANGE_NW_CM2_SR;
 use skyglow_observatory::BrightnessRequest;
-use skyglow_scene::{PatchStore, PlaceValues, PlaceWindow, RasterMetadata, Scene, SceneId, TileLayer};
+use skyglow_scene::{PatchStore, PlaceWindow, RasterMetadata, Scene, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -174,10 +175,10 @@ impl Atlas {
         // A key knows the program too: another one's numbers are not gone on with.
         let key = brightness_key(&request, view.version(), source.facts()).map_err(failure)?;
         let window = self.window(view.scene())?;
-        let store = PartStore { file: PartFile::open(part, &key)?, stages, window: window.clone() };
+        let store = PartStore { file: PartFile::open(part, &key)?, stages };
         stages.begin("brightness of places", 1000);
-        let map = source
-            .brightness(&request, &view, &store)
+        let prepared = source.prepare_brightness(&request, &view).map_err(failure)?;
+        let (map, places) = brightness_part(&prepared, window.as_ref(), &store)
             .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error)))?;
         let assumptions = BrightnessAssumptions::new(&request, &map, source.facts());
         for warning in &assumptions.warnings {
@@ -185,7 +186,7 @@ impl Atlas {
         }
         Ok(Found {
             scene: Arc::clone(view.scene()),
-            places: part_within(map.places(), window.as_ref())?,
+            places,
             unit: map.unit(),
             description: brightness_shows(map.measure, &map.response),
             colour_range: map.colour_range(),
@@ -212,7 +213,7 @@ impl Atlas {
         let places = scene.layer_at_places(layer, scene.place_lattice(self.places as usize));
         let places =
             places.ok_or_else(|| Failure::Work("a layer of another size than its places".to_owned()))?;
-        let places = part_within(&places, self.window(&scene)?.as_ref())?;
+        let places = part_within(&places, self.window(&scene)?.as_ref()).map_err(Failure::work)?;
         let (unit, description) = match layer {
             TileLayer::Radiance => ("nW cm-2 sr-1", "upward radiance"),
             TileLayer::Elevation => ("m", "terrain elevation"),
@@ -239,12 +240,6 @@ impl Atlas {
     }
 }
 
-/// The part of a map that is wanted.
-fn part_within(places: &PlaceValues, window: Option<&PlaceWindow>) -> Result<PlaceValues, Failure> {
-    let part = window.map_or_else(|| Some(places.clone()), |window| places.part(window));
-    part.ok_or_else(|| Failure::Work("a window beyond its map".to_owned()))
-}
-
 /// Where the results so far are stored.
 fn part_of(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
@@ -255,7 +250,6 @@ fn part_of(output: &Path) -> PathBuf {
 struct PartStore<'a> {
     file: PartFile,
     stages: &'a Stages,
-    window: Option<PlaceWindow>,
 }
 
 impl PartStore<'_> {
@@ -273,9 +267,5 @@ impl PatchStore for PartStore<'_> {
     fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
         self.stages.set((1000.0 * progress) as u64);
         self.file.store(patch, sums)
-    }
-
-    fn wants(&self, places: &PlaceWindow) -> bool {
-        self.window.as_ref().is_none_or(|window| window.overlaps(places))
     }
 }

@@ -1,0 +1,209 @@
+"""A map of brightness as a Zarr v3 group with an array in shards, as CF and GeoZarr have it; needs ``zarr`` 3.
+
+Shards are windows of the map's own rows and columns, so that poles and the antimeridian are like any other place.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyproj
+
+from .datasets import CONVENTIONS
+from .errors import SkyglowError
+from .maps import Frame, Window
+
+try:
+    import zarr
+    from zarr.codecs import ZstdCodec
+except ModuleNotFoundError as error:
+    raise ImportError("maps in shards need zarr 3: pip install 'skyglow[distributed]'") from error
+
+KEY = "skyglow_key"
+# Side of the chunks within a shard at most: what a reader of a few places reads.
+CHUNK = 256
+# Places of a side of a shard where nobody says: 4 MiB a shard.
+SIDE = 1024
+# All that a shard has is written: a shard of places without a number is there, as any other that is done.
+CONFIG: Any = {"write_empty_chunks": True}
+
+Tile = tuple[int, int]
+
+
+class Shards:
+    """A map on disk: the folder of a Zarr group, with one file for each shard."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self.folder, self.name = folder, name
+        self._array = zarr.open_array(folder / name, mode="r+").with_config(CONFIG)
+        rows, columns = self._array.shards or self._array.chunks
+        self.tile: Tile = (rows, columns)
+
+    def at(self, shard: Tile) -> Window:
+        """The window of a shard by its row and column among shards."""
+        ends = [
+            (at * side, min((at + 1) * side, length))
+            for at, side, length in zip(shard, self.tile, self._array.shape, strict=True)
+        ]
+        return Window(ends[0], ends[1])
+
+    def over(self, window: Window) -> list[Tile]:
+        """The shards that have places of a window, from the north."""
+        rows, columns = (
+            range(first // side, (end - 1) // side + 1)
+            for (first, end), side in zip((window.rows, window.columns), self.tile, strict=True)
+        )
+        return [(row, column) for row in rows for column in columns]
+
+    def path(self, shard: Tile) -> Path:
+        """The file of a shard."""
+        return self.folder / self.name / "c" / str(shard[0]) / str(shard[1])
+
+    def has(self, shard: Tile) -> bool:
+        """Whether a shard is there and whole, by the checksums in it."""
+        path = self.path(shard)
+        if not path.is_file() or path.stat().st_size == 0:
+            return False
+        try:
+            self._array[self.at(shard).slices]
+        except (ValueError, RuntimeError):
+            return False
+        return True
+
+    def write(self, shard: Tile, values: np.ndarray[Any, Any]) -> None:
+        """Writes a shard: beside its place first, then renamed, so that half a shard is never there."""
+        # Zarr would read a damaged one.
+        if not self.has(shard):
+            self.path(shard).unlink(missing_ok=True)
+        self._array[self.at(shard).slices] = values
+
+    def clear_unfinished(self) -> None:
+        """Removes what writers that were killed left beside shards."""
+        for path in (self.folder / self.name).rglob("*.partial"):
+            path.unlink(missing_ok=True)
+
+
+def open_shards(folder: Path, frame: Frame, tile: Tile | None, *, resume: bool) -> Shards:
+    """The map of a frame on disk, made where it is not there yet.
+
+    A :class:`SkyglowError` where another map is there, or the same in shards of another size.
+    """
+    name = variable(frame)
+    if folder.exists() and any(folder.iterdir()):
+        found = _key(folder)
+        if found is None:
+            raise SkyglowError(f"{folder} is there already and is no map of this program")
+        if resume:
+            if found != frame.key:
+                raise SkyglowError(
+                    f"{folder} is another map, or of another scene, other packs or another build of the engine: "
+                    "resume=False begins anew"
+                )
+            shards = Shards(folder, name)
+            if tile is not None and shards.tile != _fitted(tile, frame.shape):
+                raise SkyglowError(f"{folder} has shards of {shards.tile} places: resume=False begins anew")
+            return shards
+        shutil.rmtree(folder)
+    _create(folder, name, frame, _fitted(tile or _natural(frame), frame.shape))
+    return Shards(folder, name)
+
+
+def variable(frame: Frame) -> str:
+    """The name of what a map shows."""
+    return {"cd m-2": "luminance", "lx": "illuminance"}.get(frame.unit, "radiance_seen")
+
+
+def _key(folder: Path) -> str | None:
+    try:
+        return str(zarr.open_group(folder, mode="r").attrs[KEY])
+    except (FileNotFoundError, KeyError):
+        return None
+
+
+def _natural(frame: Frame) -> Tile:
+    """Whole patches, about as many as make a shard of SIDE x SIDE places."""
+    rows, columns = (max(SIDE // side, 1) * side for side in frame.patch)
+    if frame.patch[1] >= frame.shape[1]:
+        rows = frame.patch[0]
+    return rows, columns
+
+
+def _fitted(tile: Iterable[int], shape: Tile) -> Tile:
+    """No larger than the map, but of whole chunks where it is as large."""
+    sides = []
+    for side, length in zip(tile, shape, strict=True):
+        if side < 1:
+            raise SkyglowError("tile: rows and columns of a shard, at least one of each")
+        sides.append(side if side < length else -(-length // CHUNK) * CHUNK if length > CHUNK else length)
+    return sides[0], sides[1]
+
+
+def _chunk(side: int) -> int:
+    """A side of chunks that a side of a shard has a whole number of; all of it where those would be narrow."""
+    largest = next(part for part in range(min(side, CHUNK), 0, -1) if side % part == 0)
+    return largest if largest >= 16 else side
+
+
+def _create(folder: Path, name: str, frame: Frame, tile: Tile) -> None:
+    reference = pyproj.CRS.from_wkt(frame.crs_wkt)
+    names = ("latitude", "longitude") if reference.is_geographic else ("y", "x")
+    # Made beside its place: a map without its description is never there.
+    unfinished = folder.with_name(f".{folder.name}.unfinished")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    group = zarr.open_group(unfinished, mode="w", zarr_format=3, attributes=_attributes(frame))
+    x, across, x_by_row, y, y_by_column, down = frame.transform
+    if x_by_row == 0 == y_by_column:
+        sides = ((names[0], y, down, frame.shape[0]), (names[1], x, across, frame.shape[1]))
+        for (side, first, step, count), (standard, units, axis) in zip(sides, _axes(reference), strict=True):
+            values = first + step * (np.arange(count) + 0.5)
+            attributes: Any = {"standard_name": standard, "units": units, "axis": axis}
+            group.create_array(side, data=values, chunks=values.shape, dimension_names=(side,), attributes=attributes)
+    mapping = {**reference.to_cf(), "GeoTransform": " ".join(repr(float(part)) for part in frame.transform)}
+    group.create_array("spatial_ref", data=np.array(0, np.int32), dimension_names=(), attributes=mapping)
+    group.create_array(
+        name,
+        shape=frame.shape,
+        shards=tile,
+        chunks=(_chunk(tile[0]), _chunk(tile[1])),
+        dtype="float32",
+        fill_value=float("nan"),
+        compressors=ZstdCodec(level=3, checksum=True),
+        dimension_names=names,
+        attributes={
+            "long_name": frame.description,
+            "units": frame.unit,
+            "grid_mapping": "spatial_ref",
+            "coordinates": "spatial_ref",
+        },
+    )
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    if folder.exists():
+        folder.rmdir()
+    unfinished.rename(folder)
+
+
+def _axes(reference: pyproj.CRS) -> tuple[tuple[str, str, str], tuple[str, str, str]]:
+    if reference.is_geographic:
+        return ("latitude", "degrees_north", "Y"), ("longitude", "degrees_east", "X")
+    return ("projection_y_coordinate", "m", "Y"), ("projection_x_coordinate", "m", "X")
+
+
+def _attributes(frame: Frame) -> dict[str, Any]:
+    scene = frame.assumptions["scene"]
+    attributes = {
+        "Conventions": CONVENTIONS,
+        "title": frame.description,
+        "comment": "Illustrative light, not measured." if scene["illustrative"] else "",
+        "scene": scene["id"],
+        "scene_version": scene["version"],
+        "attribution": frame.attribution or "",
+        "warnings": "\n".join(frame.assumptions["warnings"]),
+        "assumptions": json.dumps(frame.assumptions, ensure_ascii=False),
+        KEY: frame.key,
+    }
+    return {name: value for name, value in attributes.items() if value != ""}

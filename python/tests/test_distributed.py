@@ -1,0 +1,150 @@
+"""Maps by several processes, against the map of the program: `make wheel` runs it, as the engine's other tests."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import rasterio
+
+import skyglow
+import skyglow.distributed
+import skyglow.maps
+
+PLACES, TILES = 20_000, (5, 6)
+DATA = os.environ.get("SKYGLOW_ENGINE_DATA", "")
+PACKS = os.environ.get("SKYGLOW_ENGINE_PACKS", "")
+ASKED = {"turbidity": 3.3, "places": PLACES}
+
+
+@pytest.fixture(scope="module")
+def whole(client, tmp_path_factory):
+    """The map as one process of the program makes it."""
+    client.scenes()
+    path = tmp_path_factory.mktemp("whole") / "whole.tif"
+    asked = ["--scene", "demo", "--places", str(PLACES), "--turbidity", "3.3", "--device", "cpu", "-o", path]
+    program = [os.environ["SKYGLOW_PROGRAM"], "atlas", "--data", DATA, "--packs", PACKS]
+    subprocess.run([*program, *asked], check=True, stderr=subprocess.DEVNULL)
+    with rasterio.open(path) as file:
+        return file.read(1), file.transform
+
+
+@pytest.fixture(scope="module")
+def engine(client):
+    client.scenes()
+    # The one that this process keeps when it bakes.
+    return skyglow.distributed._engine(PACKS, DATA)
+
+
+@pytest.fixture
+def tile(whole):
+    rows, columns = whole[0].shape
+    return -(-rows // TILES[0]), -(-columns // TILES[1])
+
+
+def bits(values):
+    return np.ascontiguousarray(values, np.float32).view(np.uint32)
+
+
+def made(out, client=None, **more):
+    return skyglow.distributed.atlas("demo", out, client, packs=PACKS, data=DATA, **{**ASKED, **more})
+
+
+def files(out):
+    return sorted(path for path in (out / "luminance" / "c").rglob("*") if path.is_file())
+
+
+def test_a_part_has_the_numbers_of_the_whole(engine, whole):
+    chart = skyglow.maps.BrightnessMap(engine, "demo", **ASKED)
+    frame = chart.frame((8.5, 46.1, 9.1, 46.5))
+    assert frame.shape == whole[0].shape
+    assert frame.unit == "cd m-2"
+    part = chart.part(frame.window)
+    assert part.shape == frame.window.shape < frame.shape
+    assert np.array_equal(bits(part), bits(whole[0][frame.window.slices]))
+    with pytest.raises(skyglow.InvalidRequestError, match="no such places"):
+        chart.part(skyglow.maps.Window((0, frame.shape[0] + 1), (0, 1)))
+    with pytest.raises(skyglow.InvalidRequestError):
+        skyglow.maps.BrightnessMap(engine, "demo", turbidity=99).frame()
+    with pytest.raises(skyglow.SkyglowError, match="no place"):
+        chart.frame((0.0, 0.0, 1.0, 1.0))
+    other = skyglow.maps.BrightnessMap(engine, "demo", **{**ASKED, "turbidity": 3.4}).frame()
+    assert other.key != frame.key == chart.frame().key
+
+
+def test_a_killed_worker_changes_no_number(whole, tile, tmp_path):
+    """Thirty shards, a worker killed in the middle, then a shard deleted and one cut short: the same bits each time."""
+    from dask.distributed import Client, LocalCluster
+
+    out, killed = tmp_path / "demo.zarr", []
+
+    def kill_one(done, shards):
+        if done == shards // 3 and not killed:
+            killed.append(pids[0])
+            os.kill(pids[0], signal.SIGKILL)
+
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50)
+    with cluster, Client(cluster) as workers:
+        pids = list(workers.run(os.getpid).values())
+        report = made(out, workers, tile=tile, progress=kill_one)
+        assert (report.shards, report.found) == (30, 0)
+        assert killed
+        assert not set(killed) & set(workers.run(os.getpid).values()), "it was killed"
+        assert np.array_equal(bits(report.open().luminance), bits(whole[0]))
+
+        before = {path: path.read_bytes() for path in files(out)}
+        assert len(before) == 30
+        deleted, cut = files(out)[7], files(out)[19]
+        deleted.unlink()
+        cut.write_bytes(before[cut][:-9])
+        again = made(out, workers)
+        assert (again.shards, again.found) == (30, 28)
+        assert {path: path.read_bytes() for path in files(out)} == before
+        assert np.array_equal(bits(again.open().luminance), bits(whole[0]))
+
+
+def test_a_map_describes_itself_and_grows(whole, tile, tmp_path):
+    """By this process, part by part; as CF has it. What is another map is not gone on with."""
+    out = tmp_path / "demo.zarr"
+    part = made(out, tile=tile, bounds=(8.5, 46.1, 8.9, 46.3))
+    assert 0 < part.shards < 30
+    chart = part.open()
+    values, transform = whole
+    assert chart.luminance.dims == ("latitude", "longitude")
+    assert chart.luminance.attrs["units"] == "cd m-2"
+    assert chart.luminance.attrs["long_name"] == "artificial luminance at the zenith"
+    assert chart.spatial_ref.attrs["grid_mapping_name"] == "latitude_longitude"
+    assert chart.attrs["Conventions"].startswith("CF-")
+    assert '"turbidity": 3.3' in chart.attrs["assumptions"]
+    west, north = transform.c + 0.5 * transform.a, transform.f + 0.5 * transform.e
+    assert float(chart.longitude[0]) == pytest.approx(west)
+    assert float(chart.latitude[0]) == pytest.approx(north)
+    is_there = ~np.isnan(chart.luminance.values)
+    assert 0 < is_there.mean() < 1
+    assert np.array_equal(bits(chart.luminance)[is_there], bits(values)[is_there])
+
+    counts = []
+    made(out, bounds=(8.5, 46.1, 8.9, 46.5), progress=lambda done, shards: counts.append((done, shards)))
+    assert counts[0][0] == part.shards
+    assert counts[-1][0] == counts[-1][1]
+    with pytest.raises(skyglow.SkyglowError, match="resume=False"):
+        made(out, turbidity=3.4)
+    with pytest.raises(skyglow.SkyglowError, match="shards of"):
+        made(out, tile=(7, 7))
+    anew = made(out, tile=tile, bounds=(8.5, 46.1, 8.6, 46.2), resume=False)
+    assert (anew.found, len(files(out))) == (0, anew.shards)
+    theirs = tmp_path / "theirs"
+    theirs.mkdir()
+    (theirs / "notes.txt").write_text("mine")
+    with pytest.raises(skyglow.SkyglowError, match="no map of this program"):
+        made(theirs, resume=False)
+    assert (theirs / "notes.txt").read_text() == "mine"
+
+
+def test_without_zarr_it_says_what_is_missing():
+    code = "import sys; sys.modules['zarr'] = None; import skyglow, skyglow.distributed"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert said.returncode == 1
+    assert "skyglow[distributed]" in said.stderr
