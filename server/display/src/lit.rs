@@ -180,7 +180,11 @@ mod tests {
         for adaptation_cd_m2 in [None, Some(1e-4), Some(1e-2), Some(1.0)] {
             let style = Style::Eye { exposure_ev: 0.0, adaptation_cd_m2 };
             let options = PictureOptions { style, ..options(LOOKING_EAST) };
-            let picture = drawn(&plain(&options, 1e-3), &options);
+            let sky = grey_sky(|_, _| 1e-3);
+            let mut ground = plain(&options, 0.0);
+            let light: [f32; 4] = std::array::from_fn(|i| sky.plane(i)[0]);
+            ground.lines.iter_mut().for_each(|line| line.light.fill(light));
+            let picture = drawn(&ground, &options);
             let middle = options.height_px / 2;
             let [above, below] = [middle - 3, middle + 3].map(|y| picture.get_pixel(300, y).0[1]);
             assert!(above.abs_diff(below) <= 2, "{adaptation_cd_m2:?}: {above} {below}");

@@ -42,7 +42,7 @@ test("skies name the cover of clouds", () => {
   assert.equal(skyConditions(broken).cloud_cover, 0.4);
   assert.ok(!("cloud_cover" in conditionsOf(broken)));
   const at = { lat: 46, lon: 9 };
-  assert.equal(withCloudPattern({ ...at, ...skyConditions(broken) }).cloud_pattern, 1);
+  assert.equal(withCloudPattern({ ...at, ...skyConditions(broken) }).cloud_pattern, 3);
   assert.deepEqual(withCloudPattern({ ...at, clouds: "1500" }), { ...at, clouds: "1500" });
 });
 

@@ -205,7 +205,7 @@ export function isCompared({ scenario, lights }: State): boolean {
 }
 
 /** The pattern of clouds that pictures show. */
-const CLOUD_PATTERN = 1;
+const CLOUD_PATTERN = 3;
 
 /** Fields that `conditionsOf` depends on, and `skyConditions` but for the time. */
 export const CONDITIONS = [

@@ -26,7 +26,12 @@ export function cloudsTitle(clouds: number | null, cover = 1): string {
 
 /** The clouds that an answer assumes. */
 export function assumedClouds(answer: Pick<SkyAnswer, "clouds" | "cloud_cover">): string {
-  return cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds), answer.cloud_cover ?? 1);
+  return cloudsTitle(answer.clouds === "none" ? null : Number(answer.clouds), coverOf(answer.cloud_cover));
+}
+
+/** The share of a layer of cloud that is cloud, 0 to 1. */
+export function coverOf(cover: number | null | undefined): number {
+  return cover ?? 1;
 }
 
 /** A cover in per cent. */

@@ -8,7 +8,7 @@ import type { BrightnessUnit } from "../sky/units.ts";
 import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { ViewState } from "../state/view-state.ts";
-import { assumedClouds } from "./clouds.ts";
+import { assumedClouds, coverOf } from "./clouds.ts";
 import { byId, inEnglish, make } from "./dom.ts";
 import { decimal, fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
 import { lampTitle } from "./lamps.ts";
@@ -82,10 +82,16 @@ function artificialAlone({ sky, dark_reference: dark }: SkyAnswer, unit: Brightn
   return make("span", "zenith-luminance", `${say.artificialAlone} `, ...amount);
 }
 
-/** What there is to say of a Bortle class. */
-function bortleWords({ sky, coverage, night_sky }: SkyAnswer): string {
+/** What there is to say of stars under clouds. */
+function starsBehind({ cloud_cover }: SkyAnswer): [string, string] {
   const say = placeWords().numbers;
-  if (sky.bortle_class == null) return say.overcast;
+  return coverOf(cloud_cover) < 1 ? ["–", say.betweenClouds] : [say.noStars, say.behindClouds];
+}
+
+/** What there is to say of a Bortle class. */
+function bortleWords({ sky, coverage, night_sky, cloud_cover }: SkyAnswer): string {
+  const say = placeWords().numbers;
+  if (sky.bortle_class == null) return coverOf(cloud_cover) < 1 ? say.betweenClouds : say.overcast;
   const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
   if (light !== null) return light === "sun" ? say.inTwilight : say.inMoonlight;
   const name = placeWords().bortle[sky.bortle_class - 1] ?? "";
@@ -166,7 +172,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
     ),
     ...brightestWall(sky),
     limit === null || limit === undefined
-      ? row(say.faintestStars, say.noStars, say.behindClouds, "naked_eye_limit")
+      ? row(say.faintestStars, ...starsBehind(answer), "naked_eye_limit")
       : row(say.faintestStars, fixed(limit, 2), say.nakedEye, "naked_eye_limit"),
     row(say.sqm, magnitude(sky.sqm_total_brightness_mag_arcsec2 ?? null), "mag/arcsec²", "sqm"),
     row(say.brightest, withPrefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),

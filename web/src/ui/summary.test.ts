@@ -39,6 +39,8 @@ test("the first sentence says how dark the sky is", () => {
     "Pristine sky: lamps add less than 1 % overhead.",
   );
   assert.deepEqual(summaryOf(answerOf({ bortle_class: null })), ["Overcast: no stars."]);
+  const broken = { ...answerOf({ bortle_class: null }), cloud_cover: 0.45 };
+  assert.deepEqual(summaryOf(broken), ["Clouds over 45 % of the sky, stars between them."]);
 });
 
 /** A sky of which much is unknown is never called dark without saying so. */

@@ -3,6 +3,7 @@
 import type { NightSky, Shares, SkyAnswer } from "../api/types.ts";
 import { placeWords, words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
+import { coverOf, coverTitle } from "./clouds.ts";
 import { byId, make } from "./dom.ts";
 import { whole } from "./format.ts";
 
@@ -21,7 +22,7 @@ const SUN_SETS_DEG = -0.833;
 const NAMED_SHARE = 0.05;
 const MAX_NAMED = 2;
 
-type Summarized = Pick<SkyAnswer, "sky" | "coverage" | "night_sky">;
+type Summarized = Pick<SkyAnswer, "sky" | "coverage" | "night_sky" | "cloud_cover">;
 
 /** How many of ascending limits a value reaches. */
 function reached(value: number, limits: readonly number[]): number {
@@ -44,11 +45,11 @@ export function dominantLight({ components }: NightSky, artificialCdM2: number):
 }
 
 /** What the sky is like, without whose light it is. */
-function quality({ sky, coverage, night_sky }: Summarized): string {
+function quality({ sky, coverage, night_sky, cloud_cover }: Summarized): string {
   const say = placeWords().summary;
   const known = whole(Math.round(100 * coverage));
   const bortleClass = sky.bortle_class ?? null;
-  if (bortleClass === null) return say.overcast;
+  if (bortleClass === null) return coverOf(cloud_cover) < 1 ? say.broken(coverTitle(100 * coverOf(cloud_cover))) : say.overcast;
   const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
   if (night_sky != null && light === "sun") {
     const { true_altitude_deg: altitudeDeg } = night_sky.sun;

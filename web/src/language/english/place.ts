@@ -64,6 +64,7 @@ export const place = {
     moonlit: (percent: string, degrees: string) =>
       `Moonlit sky: the Moon, ${percent} % lit and ${degrees}° up, outshines the lamps.`,
     overcast: "Overcast: no stars.",
+    broken: (cover: string) => `Clouds over ${cover} of the sky, stars between them.`,
     /** By Bortle class, 1 to 9. */
     quality: [
       "Very dark sky",
@@ -150,6 +151,7 @@ export const place = {
     bortleClass: "Bortle class",
     bortleOf: "of 9",
     overcast: "no stars: the sky is overcast",
+    betweenClouds: "not told between clouds",
     inMoonlight: "with the Moon's light",
     inTwilight: "in twilight",
     /** With much of the surroundings unknown. */

@@ -57,6 +57,7 @@ export const place: PlaceWords = {
     moonlit: (percent, degrees) =>
       `Mondheller Himmel: der Mond, zu ${percent} % beleuchtet und ${degrees}° hoch, überstrahlt die Lampen.`,
     overcast: "Bedeckt: keine Sterne.",
+    broken: (cover) => `Wolken über ${cover} des Himmels, dazwischen Sterne.`,
     quality: [
       "Sehr dunkler Himmel",
       "Dunkler Himmel",
@@ -135,6 +136,7 @@ export const place: PlaceWords = {
     bortleClass: "Bortle-Klasse",
     bortleOf: "von 9",
     overcast: "keine Sterne: der Himmel ist bedeckt",
+    betweenClouds: "zwischen Wolken nicht gesagt",
     inMoonlight: "mit dem Licht des Mondes",
     inTwilight: "in der Dämmerung",
     orBrighter: (name) => `${name} oder heller`,
