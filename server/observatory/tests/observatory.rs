@@ -243,10 +243,8 @@ fn broken_clouds_let_natural_light_through() {
     let clear = observatory.sky_blocking(&SkyRequest { cloud_base_m: None, ..asked(None) }).unwrap();
     let overcast = observatory.sky_blocking(&asked(None)).unwrap();
     assert_eq!(sky(0.0, None).seen, clear.seen);
-    assert_eq!(
-        sky(0.0, None).quantities.zenith_total_luminance_cd_m2,
-        clear.quantities.zenith_total_luminance_cd_m2
-    );
+    let totals = [&sky(0.0, None), &clear].map(|sky| sky.quantities.zenith_total_luminance_cd_m2);
+    assert!((totals[0] / totals[1] - 1.0).abs() < 1e-6, "{totals:?}");
     assert_eq!(sky(1.0, Some(4)).seen, overcast.seen);
     let natural_cd_m2 = |sky: &RenderedSky| {
         sky.quantities.zenith_total_luminance_cd_m2 - sky.quantities.zenith_luminance_cd_m2
