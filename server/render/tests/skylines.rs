@@ -100,11 +100,12 @@ fn kinds_with_own_altitudes_agree_with_f64() {
             let mut request = request(synthetic::polar_grid_with_skylines(7, 3000), 2.4);
             request.cloud_base_m = cloud_base_m;
             let prepared = Prepared::new(&request, &set).unwrap();
-            assert!(prepared.nodes.iter().any(|node| node.blocking > 0));
+            // Under clouds nothing hides lights, whatever tables a pack has.
+            assert_eq!(prepared.nodes.iter().any(|node| node.blocking > 0), cloud_base_m.is_none());
             let exact = render_f64(&prepared, &set);
             let rendered = engine.render_blocking(request).unwrap();
             let error = largest_error(rendered.panorama.samples(), &exact);
-            assert!(error < 1e-5, "{device:?}, clouds {cloud_base_m:?}: {error}");
+            assert!(error < 2e-5, "{device:?}, clouds {cloud_base_m:?}: {error}");
             exact
         });
         // At one altitude they are read at other nodes.
