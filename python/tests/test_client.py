@@ -77,7 +77,7 @@ def test_wrong_parameters_are_listed(client):
     assert problem.status == 400
     assert {error.parameter for error in problem.errors} == {"turbidity", "lamp"}
     assert "allowed: 1.5 to 6" in str(problem)
-    assert {error.allowed for error in problem.errors} >= {"1.5 to 6"}
+    assert any(error.allowed.startswith("1.5 to 6") for error in problem.errors)
     with pytest.raises(skyglow.InvalidRequestError) as caught:
         client.sky(*TOWN, turbidty=3)
     assert caught.value.kind == "unknown-parameter"
