@@ -5,7 +5,7 @@ use serde::Serialize;
 use skyglow_app::{
     AppError,
     fingerprint::brightness_content,
-    map_part::{MapFrame, brightness_part, window_within},
+    map_part::{MAX_MAP_PLACES, MapFrame, brightness_part, window_within},
     problem::LineError,
     request::{self, scene_id},
     validation::ValidationCode,
@@ -16,9 +16,6 @@ use std::{
     ops::Range,
     sync::{Arc, PoisonError},
 };
-
-/// Most places of a map.
-const MAX_MAP_PLACES: u32 = 400_000_000;
 
 /// Which map.
 #[derive(Clone, Copy, Debug)]

@@ -10,6 +10,9 @@ use serde::Serialize;
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, PreparedBrightness, SceneView};
 use skyglow_scene::{PatchStore, PlaceValues, PlaceWindow};
 
+/// Most places of a map.
+pub const MAX_MAP_PLACES: u32 = 400_000_000;
+
 /// What a map of brightness will be, before any of it is found.
 #[derive(Clone, Debug, Serialize)]
 pub struct MapFrame {

@@ -15,6 +15,7 @@ use skyglow_physics::{
     emission::lobe_intensities_per_sr,
     geometry::{LocalFrame, spherical_quadrilateral_area_m2},
     horizon::terrain_elevation_tangent,
+    quadrature::R2,
     sky_harmonics::SkyHarmonics,
 };
 use skyglow_scene::{GroundLine, Scene, SeenGround};
@@ -36,8 +37,6 @@ const UPWARD_SHARE: f64 = 0.17;
 const MAX_LAMPS_OF_PIXEL: f64 = 96.0;
 /// Least cosine of the zenith angle at a lamp: a lamp that stands a little higher than the eye is seen too.
 const MIN_COS_ZENITH: f64 = 1e-3;
-/// Steps of the additive recurrence R2 in two dimensions (Roberts 2018): where in a pixel its lamps stand.
-const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 /// What of the ground is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -287,6 +286,7 @@ fn lamps_of(
     // Every pixel has a start of its own (Cranley and Patterson 1976): else lamps would stand in rows across pixels.
     let start = start_of(pixel);
     let of = |number: f64| {
+        // Where in the pixel it stands.
         let [s, t] = [0, 1].map(|axis| (start[axis] + R2[axis] * (number + 1.0)).fract());
         let [a, b, c, d] = pixel.corners;
         let at = (a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t).normalize();

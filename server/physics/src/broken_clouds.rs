@@ -12,8 +12,10 @@ use crate::{
     error::{PhysicsError, check_range},
     geometry::EARTH_RADIUS_M,
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, elevation_rad},
+    quadrature::R2,
     value_noise::octaves,
 };
+use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -26,8 +28,6 @@ const EDGE: f64 = 0.04;
 /// Samples of a pattern that its threshold is found from, each way, and how many sizes of a cloud lie between two.
 const THRESHOLD_SAMPLES: usize = 96;
 const THRESHOLD_STEP: f64 = 0.73;
-/// Steps of the additive recurrence R2 in two dimensions (Roberts 2018).
-const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Rays through a sample of the panorama each way, and below the elevation where the layer is seen at a slant.
 const RAYS: usize = 2;
 const SLANT_RAYS: usize = 6;
@@ -69,7 +69,7 @@ impl BrokenClouds {
         };
         let layer = Layer::new(self.cover, u64::from(pattern), above_eye_m.max(1.0));
         let share = |at: usize| layer.gap_share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT) as f32;
-        Gaps { cover, shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).map(share).collect() }
+        Gaps { cover, shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(share).collect() }
     }
 }
 
@@ -159,9 +159,8 @@ impl Gaps {
 
     /// That of the sample of a direction above the horizon.
     pub fn towards(&self, direction: Direction) -> f64 {
-        let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64) as usize;
-        let column = (direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64).round() as usize;
-        self.share(row.min(ELEVATION_COUNT - 1), column % AZIMUTH_COUNT)
+        let (row, column) = direction.nearest_sample();
+        self.share(row, column)
     }
 
     /// Takes from a natural sky what clouds cover.

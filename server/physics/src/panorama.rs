@@ -2,6 +2,7 @@
 
 use crate::bands::BAND_COUNT;
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// N_θ: columns, at azimuth i·360/256 degrees clockwise from north; column 0 is north.
 pub const AZIMUTH_COUNT: usize = 256;
@@ -24,30 +25,37 @@ impl Direction {
         let (sin_el, cos_el) = self.elevation_rad.sin_cos();
         DVec3::new(sin_az * cos_el, cos_az * cos_el, sin_el)
     }
+
+    /// Row and column of the sample nearest to a direction above the horizon.
+    pub fn nearest_sample(self) -> (usize, usize) {
+        let row = (self.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64) as usize;
+        let column = (self.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64).round() as usize;
+        (row.min(ELEVATION_COUNT - 1), column % AZIMUTH_COUNT)
+    }
 }
 
 /// Azimuth of a column's samples, radians.
 pub fn azimuth_rad(column: usize) -> f64 {
-    column as f64 * std::f64::consts::TAU / AZIMUTH_COUNT as f64
+    column as f64 * TAU / AZIMUTH_COUNT as f64
 }
 
 /// Elevation of a row's samples, radians.
 pub fn elevation_rad(row: usize) -> f64 {
-    (row as f64 + 0.5) * std::f64::consts::FRAC_PI_2 / ELEVATION_COUNT as f64
+    (row as f64 + 0.5) * FRAC_PI_2 / ELEVATION_COUNT as f64
 }
 
 /// Solid angle of the grid cell around any sample in `row`, sr. All rows and columns sum to 2π.
 pub fn solid_angle_sr(row: usize) -> f64 {
-    let step = std::f64::consts::FRAC_PI_2 / ELEVATION_COUNT as f64;
+    let step = FRAC_PI_2 / ELEVATION_COUNT as f64;
     let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
-    std::f64::consts::TAU / AZIMUTH_COUNT as f64 * (high.sin() - low.sin())
+    TAU / AZIMUTH_COUNT as f64 * (high.sin() - low.sin())
 }
 
 /// ∫ sin φ dΩ over the grid cell around any sample in `row`, sr: exact, so that a uniform sky gives E = πL.
 pub fn projected_sr(row: usize) -> f64 {
-    let step = std::f64::consts::FRAC_PI_2 / ELEVATION_COUNT as f64;
+    let step = FRAC_PI_2 / ELEVATION_COUNT as f64;
     let (low, high) = (row as f64 * step, (row + 1) as f64 * step);
-    std::f64::consts::TAU / AZIMUTH_COUNT as f64 * 0.5 * (high.sin() * high.sin() - low.sin() * low.sin())
+    TAU / AZIMUTH_COUNT as f64 * 0.5 * (high.sin() * high.sin() - low.sin() * low.sin())
 }
 
 /// Spectral-band radiance of the whole upper hemisphere, W m⁻² sr⁻¹ in each band.
@@ -113,7 +121,7 @@ mod tests {
     #[test]
     fn solid_angles_cover_the_hemisphere() {
         let total: f64 = (0..ELEVATION_COUNT).map(|row| solid_angle_sr(row) * AZIMUTH_COUNT as f64).sum();
-        assert!((total - std::f64::consts::TAU).abs() < 1e-12);
+        assert!((total - TAU).abs() < 1e-12);
     }
 
     #[test]

@@ -1,5 +1,8 @@
 //! Quadrature: Gauss–Legendre nodes (Gauss 1814), and adaptive Gauss–Kronrod for several integrals at once (Kronrod 1965;
-//! QUADPACK, Piessens et al. 1983).
+//! QUADPACK, Piessens et al. 1983), and the steps of a sequence of points (R2, Roberts 2018).
+
+/// Steps of the additive recurrence R2, a sequence that fills the unit square evenly (Roberts 2018).
+pub const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 /// Nodes on 0..1 and weights summing to 1 of the n-point Gauss–Legendre rule.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {

@@ -7,9 +7,8 @@ import { faceGazes, faceSidePx } from "../sky/land-faces.ts";
 import { Landscape } from "../sky/landscape.ts";
 import fragmentShader from "../sky/shaders/land.frag?raw";
 import { adaptationOf } from "../sky/shading.ts";
-import { type AppState, CONDITIONS, coordinatesOf, landOf, sceneOf, skyConditions } from "../state/app-state.ts";
+import { type AppState, CONDITIONS, coordinatesOf, landCdM2Of, landOf, sceneOf, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import type { LandKind } from "../state/view-state.ts";
 import { debounced } from "../ui/dom.ts";
 import { pictureUrl } from "../ui/picture-url.ts";
 
@@ -19,9 +18,6 @@ const WAIT_MS = 80;
 const DARKEST_CD_M2 = 1e-4;
 /** Digits of the luminance that the eye is adapted to: far finer than a step of the display. */
 const DIGITS = 4;
-/** Share of light that the ground reflects, as the server has it. */
-const ALBEDO: Record<LandKind, number> = { dark: 0, lit: 0.15, snow: 0.75 };
-const W_M2_OF_NW_CM2 = 1e-5;
 
 /** Addresses of the pictures of a landscape, in the order of `faceGazes`. */
 type Addresses = readonly string[];
@@ -46,15 +42,14 @@ export class LandSession {
   private async load(): Promise<void> {
     const { state } = this.store;
     if (landOf(state) === "dark" || state.isBusy || state.isAway) return;
-    const landCdM2 = landLuminance(state);
-    const request = requestOf({ ...state, landCdM2 });
+    const request = requestOf(state);
     const requested = JSON.stringify(request);
     if (request === null || requested === this.requested) return;
     this.controller.abort();
     this.controller = new AbortController();
     const { signal } = this.controller;
     this.requested = requested;
-    this.store.set({ isLandBusy: true, landCdM2 });
+    this.store.set({ isLandBusy: true });
     try {
       const both = request.today === null ? [request.shown] : [request.shown, request.today];
       const [landscape = null, landscapeToday = null] = await Promise.all(both.map((each) => loadLandscape(each, signal)));
@@ -75,7 +70,6 @@ export class LandSession {
     this.requested = "";
     const { landscape, isLandBusy } = this.store.state;
     if (landscape !== null || isLandBusy) this.show(null, null);
-    if (this.store.state.landCdM2 !== null) this.store.set({ landCdM2: null });
   }
 
   private show(landscape: Landscape | null, landscapeToday: Landscape | null): void {
@@ -93,15 +87,6 @@ async function loadLandscape(addresses: Addresses, signal: AbortSignal): Promise
   return new Landscape(await Promise.all(faces), fragmentShader);
 }
 
-/** Luminance of the ground around the eye: what it reflects of the sky's light, and what its own lamps send up. */
-function landLuminance(state: Readonly<AppState>): number | null {
-  const { answer, site } = state;
-  if (answer === null) return null;
-  const lx = state.sky === "total" ? answer.sky.horizontal_total_illuminance_lx : answer.sky.horizontal_illuminance_lx;
-  const reflected = (ALBEDO[landOf(state)] * lx) / Math.PI;
-  return reflected + (site?.radiance_nw_cm2_sr ?? 0) * W_M2_OF_NW_CM2 * answer.lamp.lumens_per_dnb_watt;
-}
-
 /** Of the skies that are shown; null where there is none. */
 function requestOf(state: Readonly<AppState>): LandRequest | null {
   const { place, panorama, panoramaToday } = state;
@@ -109,7 +94,7 @@ function requestOf(state: Readonly<AppState>): LandRequest | null {
   if (scene === null || place === null || panorama === null) return null;
   const sidePx = faceSidePx(innerWidth * devicePixelRatio, innerHeight * devicePixelRatio);
   // The eye is adapted to the sky that is shown, and so it looks at the land.
-  const adaptation = Math.max(+adaptationOf(panorama, state).toPrecision(DIGITS), DARKEST_CD_M2);
+  const adaptation = Math.max(+adaptationOf(panorama, state, landCdM2Of(state)).toPrecision(DIGITS), DARKEST_CD_M2);
   const more = {
     width: sidePx,
     height_px: sidePx,

@@ -2,7 +2,7 @@
 
 import { words } from "../language/words.ts";
 import { luminanceFromBrightnessCdM2 } from "../photometry.ts";
-import { type AppState, seenOf } from "../state/app-state.ts";
+import { type AppState, landCdM2Of, seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { RESPONSES } from "../state/view-state.ts";
 import { byId, make } from "../ui/dom.ts";
@@ -48,7 +48,7 @@ const NO_SKY_CD_M2 = 2e-4;
 
 /** The luminance that the eye is adapted to. */
 function adaptationIn(state: Readonly<AppState>): number {
-  return state.panorama === null ? (state.adaptationCdM2 ?? NO_SKY_CD_M2) : adaptationOf(state.panorama, state);
+  return state.panorama === null ? (state.adaptationCdM2 ?? NO_SKY_CD_M2) : adaptationOf(state.panorama, state, landCdM2Of(state));
 }
 
 export class Legend {

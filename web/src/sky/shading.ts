@@ -35,13 +35,10 @@ export interface Shading {
 }
 
 /** The luminance that the eye is adapted to before a sky, or before a sky over brighter land: to the mean of their logarithms. */
-export function adaptationOf(
-  grid: SkyGrid,
-  look: Pick<PictureLook, "sky" | "adaptationCdM2"> & { landCdM2: number | null },
-): number {
+export function adaptationOf(grid: SkyGrid, look: Pick<PictureLook, "sky" | "adaptationCdM2">, landCdM2 = 0): number {
   if (look.adaptationCdM2 !== null) return look.adaptationCdM2;
   const { meanCdM2 } = glareOf(grid, look.sky);
-  return Math.sqrt(meanCdM2 * Math.max(look.landCdM2 ?? 0, meanCdM2));
+  return Math.sqrt(meanCdM2 * Math.max(landCdM2, meanCdM2));
 }
 
 /** Light of a sample with the veil over it, and the luminance of that. */
@@ -56,7 +53,7 @@ export function shadingOf(grid: SkyGrid, look: PictureLook): Shading {
   const { sky, colours, exposureEv } = look;
   const encoded = (linear: Three) => linear.map(encodeSrgb);
   if (colours === "eye") {
-    const adaptation = adaptationOf(grid, { ...look, landCdM2: null });
+    const adaptation = adaptationOf(grid, look);
     const texels = texelsOf(grid, (sample) => {
       const { light, veilCdM2 } = veiledAt(grid, sky, sample);
       return encoded(seenByEye(light, halfPower(exposureEv, adaptation * dazzle(light[1], veilCdM2))));

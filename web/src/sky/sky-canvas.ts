@@ -34,7 +34,7 @@ export interface SkyScene extends PictureLook {
   /** The land in light below each; null: it is dark. */
   landscape: Landscape | null;
   otherLandscape: Landscape | null;
-  landCdM2: number | null;
+  landCdM2: number;
   /** Where the other sky ends, as a part of the picture's width. */
   split: number;
   projection: ProjectionName;
@@ -293,7 +293,7 @@ export class SkyCanvas {
 /** How both skies are shown: the eye is adapted to one of them. */
 function lookOf(grid: SkyGrid, scene: SkyScene): PictureLook {
   const { sky, colours, exposureEv } = scene;
-  return { sky, colours, exposureEv, adaptationCdM2: colours === "eye" ? adaptationOf(grid, scene) : null };
+  return { sky, colours, exposureEv, adaptationCdM2: colours === "eye" ? adaptationOf(grid, scene, scene.landCdM2) : null };
 }
 
 /** The skies that are painted one over the other, each until a column of the canvas. */

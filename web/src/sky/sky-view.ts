@@ -1,5 +1,6 @@
 // The picture of the sky, and what pointers and keys do over it: read a direction, look around, draw a region.
 
+import { landCdM2Of } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced, make } from "../ui/dom.ts";
 import { distanceAndBearing } from "../ui/nearby.ts";
@@ -50,7 +51,7 @@ export class SkyView {
       "adaptationCdM2",
       "landscape",
       "landscapeToday",
-      "landCdM2",
+      landCdM2Of,
       "place",
       "places",
     ] as const;
@@ -140,7 +141,7 @@ export class SkyView {
       grid: state.panorama,
       other: state.panoramaToday,
       otherLandscape: state.landscapeToday,
-      landCdM2: state.landCdM2,
+      landCdM2: landCdM2Of(state),
       gaze: this.currentGaze(),
     };
   }

@@ -78,8 +78,6 @@ export interface AppState extends ViewState {
   landscapeToday: Landscape | null;
   /** Whether land is on its way. */
   isLandBusy: boolean;
-  /** Luminance of the land in light around the eye; null where the ground is dark. */
-  landCdM2: number | null;
   /** Width of the sky's plot by its height. */
   skyAspect: number;
   /** What is pointed at in the sky. */
@@ -125,7 +123,6 @@ export function initialState(view: ViewState): AppState {
     landscape: null,
     landscapeToday: null,
     isLandBusy: false,
-    landCdM2: null,
     skyAspect: 1,
     pointed: null,
     isDrawing: false,
@@ -157,6 +154,20 @@ export function hasLand({ colours, terrain }: Pick<State, "colours" | "terrain">
 /** How it is shown. */
 export function landOf(state: State, scene: Scene | null = sceneOf(state)): LandKind {
   return hasLand(state, scene) ? state.land : "dark";
+}
+
+/** Share of light that the ground reflects, as the server has it. */
+const ALBEDO: Record<LandKind, number> = { dark: 0, lit: 0.15, snow: 0.75 };
+const W_M2_OF_NW_CM2 = 1e-5;
+
+/** Luminance of the ground around the eye: what it reflects of the sky's light, and what its own lamps send up; 0 where it is dark. */
+export function landCdM2Of(state: State): number {
+  const { answer, site, sky } = state;
+  const land = landOf(state);
+  if (answer === null || land === "dark") return 0;
+  const lx = sky === "total" ? answer.sky.horizontal_total_illuminance_lx : answer.sky.horizontal_illuminance_lx;
+  const sentUp = (site?.radiance_nw_cm2_sr ?? 0) * W_M2_OF_NW_CM2 * answer.lamp.lumens_per_dnb_watt;
+  return (ALBEDO[land] * lx) / Math.PI + sentUp;
 }
 
 function isInside([west = -180, south = -90, east = 180, north = 90]: Bounds, { latitude_deg, longitude_deg }: Place): boolean {

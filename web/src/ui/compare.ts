@@ -5,7 +5,7 @@ import type { SkyAnswer } from "../api/types.ts";
 import { isSamePlace } from "../data/darker-session.ts";
 import { placeWords, words } from "../language/words.ts";
 import { adaptationOf } from "../sky/shading.ts";
-import { type AppState, CONDITIONS, coordinatesOf, sceneFor, skyConditions } from "../state/app-state.ts";
+import { type AppState, CONDITIONS, coordinatesOf, landCdM2Of, sceneFor, skyConditions } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { MAX_PINS, type Place } from "../state/view-state.ts";
 import { directionWords } from "./darker.ts";
@@ -136,7 +136,10 @@ export class Compare {
     const look: AppState = { ...state, projection: "equirectangular" };
     // And by one eye: it is adapted to the sky that is shown, unless it is kept as it was.
     const { panorama } = state;
-    const eye = state.colours !== "eye" || panorama === null ? {} : { adaptation: +adaptationOf(panorama, state).toPrecision(3) };
+    const eye =
+      state.colours !== "eye" || panorama === null
+        ? {}
+        : { adaptation: +adaptationOf(panorama, state, landCdM2Of(state)).toPrecision(3) };
     image.src = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off", ...eye });
     image.alt = say.skyOver(name);
     image.width = PICTURE_WIDTH_PX;

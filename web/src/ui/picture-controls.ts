@@ -5,7 +5,7 @@ import { isOfLight, type PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
 import { type BrightnessUnit, unitFor } from "../sky/units.ts";
-import { hasLand, sceneOf, seenOf } from "../state/app-state.ts";
+import { hasLand, landCdM2Of, sceneOf, seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { LandKind } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
@@ -59,5 +59,7 @@ async function toggleAdaptation(store: AppStore): Promise<void> {
   const { panorama, adaptationCdM2 } = store.state;
   if (panorama === null) return;
   const { adaptationOf } = await import("../sky/shading.ts");
-  store.set({ adaptationCdM2: adaptationCdM2 === null ? +adaptationOf(panorama, store.state).toPrecision(3) : null });
+  store.set({
+    adaptationCdM2: adaptationCdM2 === null ? +adaptationOf(panorama, store.state, landCdM2Of(store.state)).toPrecision(3) : null,
+  });
 }

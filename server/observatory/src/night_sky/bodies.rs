@@ -1,6 +1,6 @@
 //! Stars, planets, Moon and Sun as they stand before the sky: where refraction lifts them, and what the air lets through.
 
-use super::{NightSky, ThroughAir, limits::nearest_sample};
+use super::{NightSky, ThroughAir};
 use skyglow_celestial::Component;
 use skyglow_physics::{Direction, SKY_RESPONSES};
 use std::f64::consts::PI;
@@ -76,7 +76,7 @@ impl NightSky {
         let seen = |point: &ThroughAir| SeenPoint {
             direction: point.direction,
             illuminance_lx: rules.each_ref().map(|rule| rule.value(point.irradiance)),
-            limit_mag: point.magnitude_v + self.more_extinction_mag(nearest_sample(point.direction).0),
+            limit_mag: point.magnitude_v + self.more_extinction_mag(point.direction.nearest_sample().0),
         };
         self.points[component.index()].iter().map(seen).collect()
     }
@@ -84,7 +84,6 @@ impl NightSky {
 
 #[cfg(test)]
 mod tests {
-    use super::nearest_sample;
     use crate::night_sky::{skipping::Skipping, tests::sky};
     use skyglow_celestial::Component;
     use skyglow_physics::{AZIMUTH_COUNT, Horizon, photometry::naked_eye_limit_mag};
@@ -106,7 +105,7 @@ mod tests {
         // A picture shows as many as are counted; refraction lifts a few over the horizon.
         let total_cd_m2 = night.seen().plane(1);
         let shown = night.seen_points(Component::Stars).into_iter().filter(|star| {
-            let (row, column) = nearest_sample(star.direction);
+            let (row, column) = star.direction.nearest_sample();
             star.limit_mag <= naked_eye_limit_mag(f64::from(total_cd_m2[row * AZIMUTH_COUNT + column]))
         });
         let counted = night.seen_stars(total_cd_m2, &Horizon::flat()).count.visible as usize;

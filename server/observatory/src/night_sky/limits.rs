@@ -7,7 +7,6 @@ use skyglow_celestial::{
     milky_way::{MilkyWayContrast, milky_way_contrast},
 };
 use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon};
-use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Azimuths and elevations that limits are said for, beside the zenith.
 const AZIMUTHS: usize = 8;
@@ -39,13 +38,6 @@ pub struct SeenStars {
     pub milky_way: Option<MilkyWayContrast>,
 }
 
-/// Row and column of the sample nearest to a direction above the horizon.
-pub(super) fn nearest_sample(direction: Direction) -> (usize, usize) {
-    let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64) as usize;
-    let column = (direction.azimuth_rad / TAU * AZIMUTH_COUNT as f64).round() as usize;
-    (row.min(ELEVATION_COUNT - 1), column % AZIMUTH_COUNT)
-}
-
 impl NightSky {
     /// Magnitudes of V that the air takes at a row of the panorama.
     fn extinction_mag(&self, row: usize) -> f64 {
@@ -60,7 +52,7 @@ impl NightSky {
     /// What is seen of the stars in a sky of so much luminance in all, `[row][column]`, cd m⁻².
     pub fn seen_stars(&self, total_cd_m2: &[f32], horizon: &Horizon) -> SeenStars {
         let luminance = |direction: Direction| {
-            let (row, column) = nearest_sample(direction);
+            let (row, column) = direction.nearest_sample();
             match horizon.hides_sample(row, column) {
                 true => GROUND_CD_M2,
                 false => f64::from(total_cd_m2[row * AZIMUTH_COUNT + column]),
@@ -72,7 +64,7 @@ impl NightSky {
                 azimuth_rad: azimuth_deg.to_radians(),
                 elevation_rad: elevation_deg.to_radians(),
             };
-            let (row, column) = nearest_sample(direction);
+            let (row, column) = direction.nearest_sample();
             let is_ground = horizon.hides_sample(row, column);
             let luminance_cd_m2 = if is_ground { 0.0 } else { luminance(direction) };
             let limit_mag = eye.limit_mag(luminance_cd_m2) - self.more_extinction_mag(row);
@@ -83,7 +75,7 @@ impl NightSky {
             (0..AZIMUTHS).map(move |step| (360.0 / AZIMUTHS as f64 * step as f64, elevation_deg))
         };
         let directions = [(0.0, 90.0)].into_iter().chain(ELEVATIONS_DEG.into_iter().flat_map(around));
-        let row = |direction: Direction| nearest_sample(direction).0;
+        let row = |direction: Direction| direction.nearest_sample().0;
         let more_mag = |direction: Direction| self.more_extinction_mag(row(direction));
         let has_starlight = self.components.iter().any(|sky| sky.component == Component::Starlight);
         SeenStars {

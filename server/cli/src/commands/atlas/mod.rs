@@ -19,7 +19,7 @@ use skyglow_app::{
     answers::{BrightnessAssumptions, brightness_shows},
     facts::SourceFacts,
     fingerprint::brightness_key,
-    map_part::{brightness_part, part_within},
+    map_part::{MAX_MAP_PLACES, brightness_part, part_within},
     parameters::BrightnessParameters,
     request,
 };
@@ -50,7 +50,7 @@ pub(crate) struct Atlas {
     output: Output,
     /// Places at most: where the scene has more pixels, blocks of them share one
     #[arg(long, env = "SKYGLOW_PLACES", value_name = "N", default_value_t = 16_000_000,
-          value_parser = clap::value_parser!(u32).range(1..=400_000_000))]
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_MAP_PLACES)))]
     places: u32,
     /// West, south, east and north of the part to make, degrees, of a .tif; the same numbers as in the map of the whole scene [default:
     /// all of the scene]

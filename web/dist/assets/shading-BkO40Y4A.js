@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-Df0CC2i2.js";

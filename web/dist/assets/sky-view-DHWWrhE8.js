@@ -1,0 +1,1 @@
+export{t as SkyView}from"./sky-view-BzPy8e55.js";
