@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
-On Debian: apt-get install python3-requests python3-rasterio python3-pil
+Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds|natural]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+On Debian: apt-get install python3-requests python3-rasterio python3-pil python3-matplotlib
 """
 
 import io
@@ -179,6 +179,49 @@ def clouds():
     side_by_side("clouds", [[see(**look, **layer) for layer in ({}, some, more, {"clouds": 1500})]])
 
 
+COMPONENTS = {
+    "sun": ("Sun", "#d9822b"), "moon": ("Moon", "#808890"), "starlight": ("Milky Way and faint stars", "#3b6fb6"),
+    "stars": ("stars, scattered", "#8fb3e0"), "zodiacal_light": ("zodiacal light", "#b08a2e"), "airglow": ("airglow", "#3f9b5b"),
+}
+
+
+def natural():
+    """The natural sky of a dark valley of the demo by its components, through a night and through a solar cycle, and all-sky pictures."""
+    from datetime import datetime, timedelta
+
+    from matplotlib import dates, pyplot
+
+    place = {"lat": 46.53, "lon": 8.61, "terrain": "off"}
+
+    def zenith_of(**params):
+        answer = ask("GET", f"{API}/scenes/demo/sky", params={**place, **params}).json()
+        seen = {each["component"]: 1e3 * each["zenith_luminance_cd_m2"] for each in answer["night_sky"]["components"]}
+        lamps = 1e3 * answer["sky"]["zenith_luminance_cd_m2"]
+        return {**seen, "lamps": lamps, "total": 1e3 * answer["sky"]["zenith_total_luminance_cd_m2"]}
+
+    def lines(axis, across, skies):
+        for name, (label, colour) in COMPONENTS.items():
+            axis.plot(across, [sky.get(name, float("nan")) for sky in skies], color=colour, label=label, linewidth=1.6)
+        axis.plot(across, [sky["lamps"] for sky in skies], color="#c0392b", linestyle=":", label="lamps", linewidth=1.6)
+        axis.plot(across, [sky["total"] for sky in skies], color="black", label="all", linewidth=2.2)
+        axis.set_yscale("log")
+        axis.grid(alpha=0.25, which="major")
+
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.4), width_ratios=(3, 2), sharey=True, layout="constrained")
+    times = [datetime(2026, 8, 20, 17, 30) + timedelta(minutes=5) * step for step in range(133)]
+    lines(left, times, [zenith_of(time=f"{time:%Y-%m-%dT%H:%M:%SZ}") for time in times])
+    left.xaxis.set_major_formatter(dates.DateFormatter("%H"))
+    left.set(xlabel="2026-08-20 and 21, UTC: a half Moon sets at 21", ylabel="luminance of the zenith, mcd/m²", ylim=(1e-3, 1e2), xlim=(times[0], times[-1]))
+    fluxes = [65, 75, 90, 110, 130, 150, 170, 190, 210, 230]
+    lines(right, fluxes, [zenith_of(time="2026-08-12T22:00:00Z", solar_flux=flux) for flux in fluxes])
+    right.set(xlabel="solar flux at 10.7 cm, sfu: minimum to maximum of a cycle", xlim=(65, 230))
+    right.legend(loc="lower right", fontsize=8, ncols=2)
+    figure.savefig(f"{FOLDER}/natural-sky.png", dpi=110)
+    dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "min": 1e-4, "max": 1e4}
+    hours = ["2026-08-12T22:00:00Z", "2026-08-20T20:00:00Z", "2026-08-12T19:40:00Z", "2026-08-12T10:00:00Z"]
+    side_by_side("all-skies", [[picture(f"{API}/scenes/demo/panorama.png", **dome, time=time) for time in hours]])
+
+
 def main():
     alone = sys.argv[4:]
     if not alone or "night" in alone:
@@ -187,6 +230,8 @@ def main():
         land()
     if not alone or "clouds" in alone:
         clouds()
+    if not alone or "natural" in alone:
+        natural()
     if alone:
         return
     scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}

@@ -12,7 +12,7 @@ use skyglow_display::{
 use skyglow_observatory::{
     GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground, night_sky::NightSky,
 };
-use skyglow_physics::spectrum::RGB_BANDS;
+use skyglow_physics::{Response, spectrum::RGB_BANDS};
 use std::cell::OnceCell;
 use thiserror::Error;
 
@@ -61,10 +61,13 @@ pub fn draw(
         let bodies = night.map(bodies_of).unwrap_or_default();
         picture_with(&bodies, ground.as_ref(), seen, &sky.response, &sky.horizon, &options)
     };
+    // Luminance is in R, G and B already, nearly: what else was asked for is a band of its own.
+    let response = Some(&sky.response).filter(|response| **response != Response::Photopic);
     let bands = OnceCell::new();
     let floats = || {
-        let bands = bands.get_or_init(|| sky.seen_by(&RGB_BANDS, total.is_some()));
-        raster(bands, &sky.horizon, options.projection, view.raster_size_px)
+        let wanted: Vec<Response> = RGB_BANDS.iter().chain(response).cloned().collect();
+        let bands = bands.get_or_init(|| sky.seen_by(&wanted, total.is_some()));
+        raster(bands, &sky.horizon, options.projection, view.raster_size_px, response)
     };
     Ok(match format {
         Format::Png => encode_png(&image()?, &notes)?,

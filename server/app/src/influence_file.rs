@@ -3,6 +3,7 @@
 use crate::{
     accept::InfluenceFormat,
     answers::{Assumptions, InfluenceAnswer, InfluentialPixel, PartAnswer, influential_pixels, measure_name},
+    parquet_table::ParquetTableError,
     request::InfluenceListRequest,
 };
 use serde::Serialize;
@@ -24,6 +25,9 @@ pub enum InfluenceFileError {
     /// A raster.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// Parquet.
+    #[error(transparent)]
+    Parquet(#[from] ParquetTableError),
 }
 
 /// Encodes a map of influences; takes milliseconds to a second.

@@ -2,7 +2,7 @@
 //!
 //! A question is read into a typed request ([`request`], against the table in [`parameters`]), the program behind
 //! ([`source`]) answers, and the answer becomes JSON ([`answers`]), a picture ([`drawing`]) or a file ([`influence_file`],
-//! [`plan_file`], [`shares_file`], [`horizon_file`], [`layer_file`], [`sky_lines`]), or is found in parts ([`map_part`]). [`quantities`] names the numbers of a sky.
+//! [`plan_file`], [`shares_file`], [`horizon_file`], [`layer_file`], [`sky_lines`], [`parquet_table`]), or is found in parts ([`map_part`]). [`quantities`] names the numbers of a sky.
 
 pub mod accept;
 pub mod answers;
@@ -20,6 +20,7 @@ pub mod negotiated_parameters;
 pub mod observatory;
 pub mod opening;
 pub mod parameters;
+pub mod parquet_table;
 pub mod plan_file;
 pub mod planning;
 pub mod problem;

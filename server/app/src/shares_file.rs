@@ -4,6 +4,7 @@ use crate::{
     answers::{AreaSharesAnswer, Assumptions, PartAnswer, SharesAnswer},
     error::AppError,
     influence_file::{InfluenceFileError, csv_table, with_unit},
+    parquet_table::{self, ParquetTable},
     request::{AreaSharesRequest, SharesRequest},
 };
 use serde::Serialize;
@@ -16,6 +17,8 @@ pub enum SharesFormat {
     Json,
     /// A table whose shares add up to 1.
     Csv,
+    /// The same table, in Parquet.
+    Parquet,
 }
 
 impl SharesFormat {
@@ -24,6 +27,7 @@ impl SharesFormat {
         match self {
             SharesFormat::Json => "application/json",
             SharesFormat::Csv => "text/csv",
+            SharesFormat::Parquet => parquet_table::MEDIA_TYPE,
         }
     }
 }
@@ -125,8 +129,28 @@ impl SharesOutcome {
             (SharesFormat::Csv, Self::Areas(answer)) => {
                 Ok(with_unit(&csv_table(area_rows(answer))?, &answer.unit))
             }
+            (SharesFormat::Parquet, Self::Places(answer)) => {
+                parquet(place_rows(answer), &answer.unit, &answer.assumptions)
+            }
+            (SharesFormat::Parquet, Self::Areas(answer)) => {
+                parquet(area_rows(answer), &answer.unit, &answer.assumptions)
+            }
         }
     }
+}
+
+fn parquet(
+    rows: Vec<impl Serialize>,
+    unit: &str,
+    assumptions: &Assumptions,
+) -> Result<Vec<u8>, InfluenceFileError> {
+    let mut table = ParquetTable::default();
+    for row in rows {
+        table.add(&serde_json::to_vec(&row)?)?;
+    }
+    let assumptions = serde_json::to_string(assumptions)?;
+    let notes = [("influence_unit", unit), ("assumptions", &assumptions)];
+    Ok(table.encode(&["rank", "feature", "name", "share"], &notes)?)
 }
 
 fn place_rows(answer: &SharesAnswer) -> Vec<PlaceRow> {

@@ -1,9 +1,10 @@
-//! Many skies, each as a line of JSON: what the HTTP interface answers and the command line writes.
+//! Many skies, each as a line of JSON or all as a table: what the HTTP interface answers and the command line writes.
 
 use crate::{
     answers::{Assumptions, SkyAnswer, SkyLine},
     conversion::check_altitude,
     error::AppError,
+    parquet_table::{ParquetTable, ParquetTableError},
     problem::LineError,
     request::SkyOfMany,
     source::SkySource,
@@ -18,6 +19,31 @@ const AT_A_TIME: usize = 8;
 /// How often a full queue is tried again, and after how long.
 const TRIES: u32 = 50;
 const PAUSE: Duration = Duration::from_millis(20);
+
+/// The lines of many skies as a table.
+#[derive(Debug, Default)]
+pub struct SkyTable {
+    table: ParquetTable,
+    failed: Option<ParquetTableError>,
+}
+
+impl SkyTable {
+    /// Adds a line; answers whether it could.
+    pub fn add(&mut self, line: &[u8]) -> bool {
+        self.failed = self.table.add(line).err();
+        self.failed.is_none()
+    }
+
+    /// The table in Parquet.
+    ///
+    /// # Errors
+    /// [`ParquetTableError`], only by a defect.
+    pub fn encode(self) -> Result<Vec<u8>, ParquetTableError> {
+        let first = ["place", "name", "observer.latitude_deg", "observer.longitude_deg", "time"];
+        self.failed.map_or(Ok(()), Err)?;
+        self.table.encode(&first, &[])
+    }
+}
 
 /// Renders many skies of a scene, some at a time, and hands each over as a line of JSON with its end, in their order, until one is not
 /// taken. For a thread in an asynchronous runtime.

@@ -19,18 +19,32 @@ pub struct FloatRaster<'a> {
     /// Height, pixels.
     pub height_px: u32,
     seen: Cow<'a, SeenSky>,
+    response: Option<&'a Response>,
     horizon: &'a Horizon,
     view: View,
 }
 
 impl FloatRaster<'_> {
-    /// Radiance in R, G, B of a pixel, W m⁻² sr⁻¹, 0 where terrain hides the sky; None where the projection shows no direction of the
-    /// upper hemisphere.
-    pub fn radiance_w_m2_sr(&self, x: u32, y: u32) -> Option<[f32; 3]> {
+    /// Radiance in R, G, B of a pixel, W m⁻² sr⁻¹, then the value of [`Self::response`] in its unit, or 0 without one; 0 where terrain
+    /// hides the sky; None where the projection shows no direction of the upper hemisphere.
+    pub fn samples(&self, x: u32, y: u32) -> Option<[f32; 4]> {
         let direction = self.view.direction_at(f64::from(x) + 0.5, f64::from(y) + 0.5)?;
+        if self.horizon.hides(direction) {
+            return taps(direction).map(|_| [0.0; 4]);
+        }
         let plane = |band: &Response| self.seen.seen_by(band).unwrap_or_default();
-        let radiance = Sampler::new(RGB_BANDS.each_ref().map(plane)).values(direction)?;
-        Some(if self.horizon.hides(direction) { [0.0; 3] } else { radiance.map(|radiance| radiance as f32) })
+        let [r, g, b] = RGB_BANDS.each_ref().map(plane);
+        let Some(response) = self.response else {
+            let [r, g, b] = Sampler::new([r, g, b]).values(direction)?;
+            return Some([r as f32, g as f32, b as f32, 0.0]);
+        };
+        let samples = Sampler::new([r, g, b, plane(response)]).values(direction)?;
+        Some(samples.map(|sample| sample as f32))
+    }
+
+    /// Whose values are beside R, G, B.
+    pub fn response(&self) -> Option<&Response> {
+        self.response
     }
 
     /// Whether every pixel shows a direction of the upper hemisphere.
@@ -43,7 +57,8 @@ impl FloatRaster<'_> {
     }
 }
 
-/// The radiance of a sky in R, G, B, which [`RGB_BANDS`] see, in a projection. Equirectangular 256 × 64 gives the grid's own values. Below `horizon` radiance is 0.
+/// The radiance of a sky in R, G, B, which [`RGB_BANDS`] see, and what a response sees where one is given, in a projection.
+/// Equirectangular 256 × 64 gives the grid's own values. Below `horizon` all are 0.
 ///
 /// # Errors
 /// [`DisplayError`] naming the size or angle out of its range.
@@ -52,16 +67,19 @@ pub fn raster<'a>(
     horizon: &'a Horizon,
     projection: Projection,
     (width_px, height_px): (u32, u32),
+    response: Option<&'a Response>,
 ) -> Result<FloatRaster<'a>, DisplayError> {
     check_size(width_px, height_px)?;
     projection.check()?;
-    if let Some(band) = RGB_BANDS.iter().find(|band| seen.seen_by(band).is_none()) {
+    let mut wanted = RGB_BANDS.iter().chain(response);
+    if let Some(band) = wanted.find(|band| seen.seen_by(band).is_none()) {
         return Err(DisplayError::NotSeen { response: band.name() });
     }
     Ok(FloatRaster {
         width_px,
         height_px,
         seen: without_ground(seen, horizon),
+        response,
         horizon,
         view: View::new(projection, width_px, height_px),
     })
@@ -79,10 +97,10 @@ mod tests {
         let sky = bands_sky(|i| 1e-9 * (i as f32 + 1.0));
         let size = Projection::Equirectangular.default_raster_size_px();
         let flat = Horizon::flat();
-        let raster = raster(&sky, &flat, Projection::Equirectangular, size).unwrap();
+        let raster = raster(&sky, &flat, Projection::Equirectangular, size, None).unwrap();
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
-                let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
+                let pixel = raster.samples(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
                 for band in 0..3 {
                     let sample = sky.plane(band)[row * AZIMUTH_COUNT + column];
                     assert_eq!(pixel.unwrap()[band], sample, "{band} {row} {column}");
@@ -100,11 +118,11 @@ mod tests {
         let hidden = |i: usize| horizon.hides_sample(i / AZIMUTH_COUNT % ELEVATION_COUNT, i % AZIMUTH_COUNT);
         let seen = bands_sky(|i| if hidden(i) { 0.0 } else { 1e-6 });
         let size = Projection::Equirectangular.default_raster_size_px();
-        let raster = raster(&seen, &horizon, Projection::Equirectangular, size).unwrap();
+        let raster = raster(&seen, &horizon, Projection::Equirectangular, size, None).unwrap();
         for row in 0..ELEVATION_COUNT {
             for column in 0..AZIMUTH_COUNT {
-                let pixel = raster.radiance_w_m2_sr(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
-                let is_dark = pixel.unwrap() == [0.0; 3];
+                let pixel = raster.samples(column as u32, (ELEVATION_COUNT - 1 - row) as u32);
+                let is_dark = pixel.unwrap() == [0.0; 4];
                 assert_eq!(is_dark, horizon.hides_sample(row, column), "{row} {column}");
             }
         }

@@ -1,7 +1,7 @@
 //! The OpenAPI document: its head, and what is the same of every operation.
 
 use crate::refusals::refusal;
-use skyglow_app::answers::CompactHeader;
+use skyglow_app::{answers::CompactHeader, parquet_table};
 use utoipa::{
     OpenApi,
     openapi::{
@@ -81,6 +81,7 @@ pub(crate) fn complete(document: &mut utoipa::openapi::OpenApi) {
                     media_type.starts_with("image/")
                         || media_type == "application/zip"
                         || media_type.contains("vnd.skyglow")
+                        || media_type == parquet_table::MEDIA_TYPE
                 };
                 let files = response.content.iter_mut().filter(|(media_type, _)| is_binary(media_type));
                 files.for_each(|(_, content)| *content = RefOr::T(bytes()));

@@ -33,7 +33,7 @@ pub(crate) struct Shares {
     /// The property of the areas that holds their names, where it is not a usual one
     #[arg(long, env = "SKYGLOW_NAME_FIELD", value_name = "NAME", requires = "areas")]
     name_field: Option<String>,
-    /// File to write instead of a table on the screen: .csv or .json
+    /// File to write instead of a table on the screen: .csv, .parquet or .json
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
     output: Option<(PathBuf, SharesFormat)>,
     #[command(flatten)]
@@ -50,7 +50,8 @@ fn output(text: &str) -> Result<(PathBuf, SharesFormat), String> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => Ok((path, SharesFormat::Csv)),
         Some("json") => Ok((path, SharesFormat::Json)),
-        _ => Err("the ending must be .csv or .json".to_owned()),
+        Some("parquet") => Ok((path, SharesFormat::Parquet)),
+        _ => Err("the ending must be .csv, .parquet or .json".to_owned()),
     }
 }
 

@@ -6,7 +6,11 @@ use crate::{
     query::{self, QueryFlags},
 };
 use clap::Args;
-use skyglow_app::{parameters::SkiesParameters, request, sky_lines::each_sky_line};
+use skyglow_app::{
+    parameters::SkiesParameters,
+    request,
+    sky_lines::{SkyTable, each_sky_line},
+};
 use skyglow_scene::SceneId;
 use std::{
     io::{ErrorKind, Write},
@@ -25,7 +29,7 @@ pub(crate) struct Skies {
     /// JSON file of the places, and perhaps times, as the API's body has them
     #[arg(long, env = "SKYGLOW_PLACES", value_name = "FILE")]
     places: PathBuf,
-    /// File to write; standard output without
+    /// File to write, a table where it ends with .parquet; standard output without
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -46,12 +50,23 @@ impl Skies {
         let source = self.program.source()?;
         let asked = read(source.facts())?;
         let view = source.view(&self.scene, asked.scenario.as_ref()).map_err(failure)?;
+        let runtime =
+            tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(Failure::work)?;
+        if let Some(path) =
+            self.output.as_ref().filter(|path| path.extension().is_some_and(|e| e == "parquet"))
+        {
+            let mut table = SkyTable::default();
+            let add = async |_: f64, line: Vec<u8>| table.add(&line);
+            runtime
+                .block_on(each_sky_line(&source, &view, &self.scene, asked.skies, add))
+                .map_err(failure)?;
+            let bytes = table.encode().map_err(Failure::work)?;
+            return std::fs::write(path, bytes).map_err(|error| Failure::file(path, error));
+        }
         let mut output: Box<dyn Write> = match &self.output {
             Some(path) => Box::new(std::fs::File::create(path).map_err(|error| Failure::file(path, error))?),
             None => Box::new(std::io::stdout()),
         };
-        let runtime =
-            tokio::runtime::Builder::new_current_thread().enable_time().build().map_err(Failure::work)?;
         let mut written = Ok(());
         let write = async |_: f64, line: Vec<u8>| {
             written = output.write_all(&line);

@@ -93,6 +93,8 @@ formats! {
     get_shares, post_shares, "", SharesFormat::Json, SharesAnswer, AreaSharesAnswer, "application/json", ".";
     get_shares_csv, post_shares_csv, ".csv", SharesFormat::Csv, String, String, "text/csv",
         ", as a table whose shares add up to 1.";
+    get_shares_parquet, post_shares_parquet, ".parquet", SharesFormat::Parquet, String, String,
+        "application/vnd.apache.parquet", ", as a table in Parquet, as the CSV's.";
 }
 
 /// * `body`: query and tag of the body of a post.

@@ -4,6 +4,7 @@ use crate::{
     asker::{self, Asker, Work},
     error::ApiError,
     refusals::{BodyTooLong, OfSky},
+    respond::Counted,
     state::AppState,
     work_places::Lane,
 };
@@ -15,8 +16,9 @@ use axum::{
 use hyper::body::Frame;
 use skyglow_app::{
     parameters::SkiesParameters,
-    request::{SkiesBody, SkyOfMany, scene_id, skies},
-    sky_lines::each_sky_line,
+    parquet_table,
+    request::{SkiesBody, SkiesRequest, SkyOfMany, scene_id, skies},
+    sky_lines::{SkyTable, each_sky_line},
     source::SkySource,
 };
 use skyglow_observatory::SceneView;
@@ -41,6 +43,8 @@ const LINES_WAITING: usize = 64;
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Bytes that the skies under way and their lines take, about.
 const BYTES: usize = 32 << 20;
+/// The same of a table, whose rows all wait for its end.
+const TABLE_BYTES: usize = 96 << 20;
 
 /// The numbers of the skies of up to 1000 places, a line of JSON for each, in the order of the body, sent as they are made.
 ///
@@ -64,11 +68,7 @@ pub async fn post_skies(
     RawQuery(query): RawQuery,
     body: Bytes,
 ) -> Result<Response<Body>, ApiError> {
-    let id = scene_id(&scene)?;
-    let of_query = id.clone();
-    let read = move |source: &dyn SkySource| Ok(skies(query.as_deref(), &body, of_query, source.facts())?);
-    let request = state.blocking(read).await?;
-    let view = state.view(&id, request.scenario.as_ref()).await?;
+    let Asked { id, request, view } = Asked::read(&state, &scene, query, body).await?;
     let (lines, receiver) = mpsc::channel(LINES_WAITING);
     let (begin, has_begun) = oneshot::channel();
     let (source, work) = (Arc::clone(&state.source), Arc::clone(&state.work));
@@ -94,6 +94,69 @@ pub async fn post_skies(
     headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/x-ndjson"));
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     Ok(response)
+}
+
+/// The numbers of the skies of up to 1000 places, as a table in Parquet: a row for each place and time, in the order of the body.
+///
+/// As the lines of `POST skies`; numbers inside objects have columns such as `observer.latitude_deg`, lists are JSON, and rows without a sky
+/// have their error.
+#[utoipa::path(
+    post,
+    path = "/api/v1/scenes/{scene}/skies.parquet",
+    tag = "sky",
+    params(("scene" = String, Path, description = "The scene's id"), SkiesParameters),
+    request_body = SkiesBody,
+    responses(
+        (status = 200, description = "The table", body = String, content_type = "application/vnd.apache.parquet"),
+        OfSky,
+        BodyTooLong,
+    )
+)]
+pub async fn post_skies_parquet(
+    State(state): State<AppState>,
+    Path(scene): Path<String>,
+    RawQuery(query): RawQuery,
+    body: Bytes,
+) -> Result<Response<Body>, ApiError> {
+    let Asked { id, request, view } = Asked::read(&state, &scene, query, body).await?;
+    let source = Arc::clone(&state.source);
+    let make = move |_: &dyn SkySource, watched: &Work| {
+        let mut table = SkyTable::default();
+        let take = async |done, line: Vec<u8>| table.add(&line) && watched.note(done);
+        Handle::current().block_on(each_sky_line(&source, &view, &id, request.skies, take))?;
+        table.encode().map_err(ApiError::internal)
+    };
+    let (made, held) = state.work.long(Lane::Plan, TABLE_BYTES, make).await?;
+    let mut response = Response::new(Body::from(state.work.keep(made, held)));
+    response.extensions_mut().insert(Counted);
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(parquet_table::MEDIA_TYPE));
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    Ok(response)
+}
+
+/// What a request asks for, and of which scene.
+struct Asked {
+    id: SceneId,
+    request: SkiesRequest,
+    view: SceneView,
+}
+
+impl Asked {
+    async fn read(
+        state: &AppState,
+        scene: &str,
+        query: Option<String>,
+        body: Bytes,
+    ) -> Result<Self, ApiError> {
+        let id = scene_id(scene)?;
+        let of_query = id.clone();
+        let read =
+            move |source: &dyn SkySource| Ok(skies(query.as_deref(), &body, of_query, source.facts())?);
+        let request = state.blocking(read).await?;
+        let view = state.view(&id, request.scenario.as_ref()).await?;
+        Ok(Self { id, request, view })
+    }
 }
 
 /// Renders skies and sends their lines in order, until nobody takes them.

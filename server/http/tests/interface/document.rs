@@ -63,8 +63,8 @@ async fn document_and_routes_are_the_same() {
             }
             path if path.ends_with("/area") || path.ends_with("/map") => 503,
             path if ["{plan}", "{scenario}", "{job}"].iter().any(|id| path.contains(id)) => 404,
-            // It is only posted to.
-            path if path.ends_with("/skies") || path.ends_with("/execution") => 405,
+            // They are only posted to.
+            path if ["/skies", "/skies.parquet", "/execution"].iter().any(|end| path.ends_with(end)) => 405,
             _ => 200,
         };
         assert_eq!(server.answer(&format!("{real}{query}")).await.status(), status, "{path}");

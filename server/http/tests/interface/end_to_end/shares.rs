@@ -2,6 +2,10 @@
 
 use super::{EndToEnd, number};
 use crate::server::header;
+use parquet::{
+    file::reader::{FileReader, SerializedFileReader},
+    record::Row,
+};
 use serde_json::{Value, json};
 
 /// A dark valley of the demo.
@@ -63,6 +67,29 @@ async fn shares_come_as_a_table() {
     let share = |line: &&str| line.split(',').nth(7).unwrap().parse::<f64>().unwrap();
     assert!((lines[1..].iter().map(share).sum::<f64>() - 1.0).abs() < 1e-6);
     assert_eq!(server.get_unless(&path, &tag).await, 304);
+}
+
+/// So has the table in Parquet, a row for each of the CSV's, the unit in its notes.
+#[tokio::test]
+async fn shares_come_as_parquet() {
+    let server = EndToEnd::shared().await;
+    let answer = server.get(&format!("/api/v1/scenes/demo/shares.parquet?{PLACE}&limit=4")).await;
+    assert_eq!(
+        (answer.status().as_u16(), header(&answer, "content-type")),
+        (200, "application/vnd.apache.parquet")
+    );
+    let table = SerializedFileReader::new(answer.bytes().await.unwrap()).unwrap();
+    let rows: Vec<_> = table.get_row_iter(None).unwrap().map(Result::unwrap).collect();
+    let names: Vec<&str> = rows[0].get_column_iter().take(3).map(|(name, _)| name.as_str()).collect();
+    assert_eq!((rows.len(), names), (6, vec!["rank", "name", "share"]));
+    let share = |row: &Row| row.get_column_iter().find(|(name, _)| *name == "share").unwrap().1.clone();
+    let total: f64 = rows.iter().map(|row| share(row).to_string().parse::<f64>().unwrap()).sum();
+    assert!((total - 1.0).abs() < 1e-6, "{total}");
+    let notes = table.metadata().file_metadata().key_value_metadata().unwrap();
+    assert!(
+        notes.iter().any(|note| note.key == "influence_unit" && note.value.as_deref() == Some("cd m-2")),
+        "{notes:?}"
+    );
 }
 
 fn square(name: &str, west: f64, south: f64, side: f64) -> Value {

@@ -2,6 +2,10 @@
 
 use super::EndToEnd;
 use crate::server::header;
+use parquet::{
+    file::reader::{FileReader, SerializedFileReader},
+    record::Field,
+};
 use serde_json::{Value, json};
 
 async fn post(server: &EndToEnd, query: &str, body: &Value) -> reqwest::Response {
@@ -73,4 +77,31 @@ async fn bad_batches_get_a_problem() {
         assert!([400, 422].contains(&answer.status().as_u16()), "{query}");
         assert_eq!(header(&answer, "content-type"), "application/problem+json");
     }
+}
+
+/// The table has the numbers of the lines, and errors where a place has no sky.
+#[tokio::test]
+async fn many_skies_come_as_a_table() {
+    let server = EndToEnd::shared().await;
+    let body = json!({"places": [{"lat": 46.53, "lon": 8.61, "name": "Brè"}, {"lat": -46.17, "lon": 8.79}]});
+    let url = format!("{}/api/v1/scenes/demo/skies.parquet?turbidity=3", server.base);
+    let answer = server.client.post(url).json(&body).send().await.unwrap();
+    assert_eq!(
+        (answer.status().as_u16(), header(&answer, "content-type")),
+        (200, "application/vnd.apache.parquet")
+    );
+    let table = SerializedFileReader::new(answer.bytes().await.unwrap()).unwrap();
+    let rows: Vec<_> = table.get_row_iter(None).unwrap().map(Result::unwrap).collect();
+    let field = |row: usize, name: &str| {
+        rows[row].get_column_iter().find(|(column, _)| *column == name).map(|(_, field)| field.clone())
+    };
+    assert_eq!(rows.len(), 2);
+    let lines = lines(post(&server, "?turbidity=3", &body).await).await;
+    let zenith = lines[0]["sky"]["zenith_luminance_cd_m2"].as_f64().unwrap();
+    assert_eq!(field(0, "sky.zenith_luminance_cd_m2"), Some(Field::Double(zenith)));
+    assert_eq!(field(0, "name"), Some(Field::Str("Brè".to_owned())));
+    assert_eq!(field(1, "sky.zenith_luminance_cd_m2"), Some(Field::Null));
+    let why = field(1, "error.detail").unwrap().to_string();
+    assert!(why.contains("outside the scene"), "{why}");
+    assert_eq!((field(0, "place"), field(1, "place")), (Some(Field::Long(0)), Some(Field::Long(1))));
 }

@@ -77,7 +77,7 @@ pub(crate) fn run(Arguments { folder }: &Arguments) -> Outcome {
         let size = projection.default_raster_size_px();
         // Pixels are found as they are encoded.
         let flat = Horizon::flat();
-        let floats = raster(&bands, &flat, projection, size)?;
+        let floats = raster(&bands, &flat, projection, size, None)?;
         std::fs::write(
             folder.join(format!("{name}.exr")),
             timed(&format!("{name} EXR"), || encode_exr(&floats, &Notes::default()))?,
