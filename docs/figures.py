@@ -211,13 +211,13 @@ def natural():
     times = [datetime(2026, 8, 20, 17, 30) + timedelta(minutes=5) * step for step in range(133)]
     lines(left, times, [zenith_of(time=f"{time:%Y-%m-%dT%H:%M:%SZ}") for time in times])
     left.xaxis.set_major_formatter(dates.DateFormatter("%H"))
-    left.set(xlabel="2026-08-20 and 21, UTC: a half Moon sets at 21", ylabel="luminance of the zenith, mcd/m²", ylim=(1e-3, 1e2), xlim=(times[0], times[-1]))
+    left.set(xlabel="2026-08-20 and 21, UTC: a half Moon sets at dusk", ylabel="luminance of the zenith, mcd/m²", ylim=(1e-3, 1e2), xlim=(times[0], times[-1]))
     fluxes = [65, 75, 90, 110, 130, 150, 170, 190, 210, 230]
     lines(right, fluxes, [zenith_of(time="2026-08-12T22:00:00Z", solar_flux=flux) for flux in fluxes])
     right.set(xlabel="solar flux at 10.7 cm, sfu: minimum to maximum of a cycle", xlim=(65, 230))
     right.legend(loc="lower right", fontsize=8, ncols=2)
     figure.savefig(f"{FOLDER}/natural-sky.png", dpi=110)
-    dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "min": 1e-4, "max": 1e4}
+    dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "min": 1e-4, "max": 1e4, "colormap": "viridis"}
     hours = ["2026-08-12T22:00:00Z", "2026-08-20T20:00:00Z", "2026-08-12T19:40:00Z", "2026-08-12T10:00:00Z"]
     side_by_side("all-skies", [[picture(f"{API}/scenes/demo/panorama.png", **dome, time=time) for time in hours]])
 

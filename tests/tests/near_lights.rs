@@ -115,7 +115,7 @@ fn near_lights_are_corrected_where_needed() {
     // 3° high, in the north-east.
     let asked = request(grid_under_open_sky(&one_light()), 2.5);
     let of = |measure: &LinearMeasure| {
-        solver.near_lights(&asked, &asked, SeenMeasure { measure, rule: &rule }).unwrap()
+        solver.near_lights(&asked, &asked, SeenMeasure { measure, rule: &rule, within: None }).unwrap()
     };
     let region = |corners_deg: [(f64, f64); 4]| {
         let corner = |(azimuth_deg, elevation_deg): (f64, f64)| Direction {

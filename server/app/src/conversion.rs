@@ -3,7 +3,9 @@
 use crate::{
     error::AppError,
     format::rounded,
-    parameters::{ALTITUDE, BASIS, CLOUDS, EMISSION_KEEP, HEIGHT, REGION, SCATTERING, SCENARIO, TURBIDITY},
+    parameters::{
+        ALTITUDE, BASIS, CLOUDS, EMISSION_KEEP, HEIGHT, MEASURE, REGION, SCATTERING, SCENARIO, TURBIDITY,
+    },
     validation::{FieldError, ValidationCode, echo},
 };
 use skyglow_observatory::{ObservatoryError, ObserverHeight, SkyRequest};
@@ -152,6 +154,13 @@ impl From<ObservatoryError> for AppError {
                 "a curve around some of the visible sky; directions are 1.4 degrees apart".to_owned(),
                 "it holds no visible direction of the sky".to_owned(),
                 ValidationCode::NotAllowed,
+            ),
+            ObservatoryError::NormBetweenClouds => Self::parameter(
+                MEASURE.name,
+                "norm".to_owned(),
+                "zenith, mean, horizontal or region; or clouds without gaps".to_owned(),
+                "the norm of a light's own image has no meaning between broken clouds".to_owned(),
+                ValidationCode::Conflict,
             ),
             ObservatoryError::Scene(error) => match error {
                 SceneError::UnknownScene { id } | SceneError::InvalidId { id } => {

@@ -18,6 +18,9 @@ pub enum ObservatoryError {
     /// A curve on the sky that holds no direction of the panorama grid, or hidden ones alone.
     #[error("the curve holds no visible direction of the sky; directions are 1.4 degrees apart")]
     EmptyRegion,
+    /// Norms of images of lights, between clouds: what a gap shows of a light hangs on all others.
+    #[error("the norm of a light's own image has no meaning between broken clouds")]
+    NormBetweenClouds,
     /// The place lies off the scene's raster.
     #[error(
         "{latitude_deg}, {longitude_deg} lies outside scene \"{scene}\" (west, south, east, north: {bounds:?} degrees)"

@@ -2,7 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
-    influence::{InfluenceSolver, MeasureOfCells, SeenMeasure, influence_of_pixels},
+    influence::{InfluenceSolver, MeasureOfCells, SeenMeasure, Within, influence_of_pixels},
     influence_cache::{LightAround, MIN_ENTRY_BYTES},
     influence_part::Part,
     map_measure::MapMeasure,
@@ -14,7 +14,8 @@ use crate::{
 use rayon::prelude::*;
 use serde::Serialize;
 use skyglow_physics::{
-    Horizon, LinearMeasure, SkyCurve, source_pixel::SPLIT_WITHIN_M, spectrum::SpectralRule,
+    CoverSlopes, Gaps, Horizon, LinearMeasure, Panorama, SkyCurve, source_pixel::SPLIT_WITHIN_M,
+    spectrum::SpectralRule,
 };
 use skyglow_render::{RenderError, request::RenderRequest};
 use skyglow_scene::{LightShares, LitPixel, NearLight, PixelValues, RasterTile, Scene, SceneMetadata};
@@ -155,7 +156,7 @@ impl Observatory {
     /// milliseconds to a second. Not for asynchronous threads.
     ///
     /// # Errors
-    /// As [`Self::sky`], [`ObservatoryError::EmptyRegion`], and [`skyglow_render::RenderError::Ended`] where `watch` ended it.
+    /// As [`Self::sky`], [`ObservatoryError::EmptyRegion`], [`ObservatoryError::NormBetweenClouds`], and [`skyglow_render::RenderError::Ended`] where `watch` ended it.
     pub fn influence_in(
         &self,
         view: &SceneView,
@@ -171,7 +172,7 @@ impl Observatory {
             clock = Instant::now();
         };
         let LightAround { surroundings, shares } =
-            self.influences.light_around(view, sky, self.hides_lights(sky.kind()))?;
+            self.influences.light_around(view, sky, self.hides_lights_of(sky))?;
         step("light");
         let (of_sky, basis_error_bound) = surroundings.render_requests(sky, &self.engine.basis_chooser())?;
         let open = Horizon::default();
@@ -182,36 +183,56 @@ impl Observatory {
             return Err(ObservatoryError::EmptyRegion);
         }
         let solver = self.influences.solver(&self.engine);
+        if sky.broken_clouds.is_some() && request.measure == Measure::Norm {
+            return Err(ObservatoryError::NormBetweenClouds);
+        }
+        let of_sky_count = of_sky.len() as f64;
         let mut basis_count = 0;
         for part in &of_sky {
             basis_count = basis_count.max(solver.basis_count(part)?);
         }
-        let mut parts = Vec::new();
-        let part_count = of_sky.len() as f64;
+        let (light_count, gaps) = (surroundings.lights.len(), surroundings.gaps(sky));
+        let (mut parts, mut done) = (Vec::with_capacity(light_count), 0.0);
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
-        for ((of_sky, lights), (fixture, _)) in of_sky.iter().zip(shares.iter()).zip(&surroundings.lights) {
+        for (number, (lights, (fixture, _))) in shares.iter().zip(&surroundings.lights).enumerate() {
             let rule = &*fixture.light(&sky.lamp).rule(&sky.response);
-            let seen = weights.as_ref().map(|measure| SeenMeasure { measure, rule });
-            let of_cells = seen.map_or(MeasureOfCells::Norm(rule), MeasureOfCells::Linear);
-            let done = parts.len() as f64 / part_count;
-            note(watch, done)?;
+            // Between clouds the same light twice: under a clear sky and under a closed layer.
+            let layers: Vec<&RenderRequest> = of_sky.iter().skip(number).step_by(light_count).collect();
             // The sky takes far light by blocks; here every pixel is by itself, so that those of a cell are what it was made of.
-            let of_pixels = RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
-            let found = solver.cells_in_sky(&of_pixels, of_sky, of_cells)?;
-            step("cells");
-            let (mut influence, scale) = influence_of_pixels(lights, &found.cells, found.of_sky);
-            step("pixels");
-            if request.measure == Measure::Norm {
-                near_norms(solver, (of_sky, rule), lights, &mut influence, &|| watch(done))?;
-                step("near pixels");
+            let of_pixels =
+                |of_sky: &RenderRequest| RenderRequest { polar: Arc::clone(&lights.polar), ..of_sky.clone() };
+            let covered = match (&gaps, layers.as_slice()) {
+                (Some(gaps), &[clear, overcast]) => {
+                    let sky_of = |layer| solver.sky(&of_pixels(layer), layer);
+                    Some(CoveredSky::new(gaps, sky_of(clear)?, &sky_of(overcast)?))
+                }
+                _ => None,
+            };
+            let mut of_light = vec![0f32; lights.len()];
+            for (layer, of_sky) in layers.iter().enumerate() {
+                note(watch, done)?;
+                let within = covered.as_ref().map(|covered| covered.within(layer));
+                let seen = weights.as_ref().map(|measure| SeenMeasure { measure, rule, within });
+                let of_cells = seen.map_or(MeasureOfCells::Norm(rule), MeasureOfCells::Linear);
+                let of_pixels = of_pixels(of_sky);
+                let found = solver.cells_in_sky(&of_pixels, of_sky, of_cells)?;
+                step("cells");
+                let (mut influence, scale) = influence_of_pixels(lights, &found.cells, found.of_sky);
+                step("pixels");
+                if request.measure == Measure::Norm {
+                    near_norms(solver, (of_sky, rule), lights, &mut influence, &|| watch(done))?;
+                    step("near pixels");
+                }
+                let value = found.of_sky.unwrap_or(0.0);
+                (before_scaling, after_scaling) = (before_scaling + value / scale, after_scaling + value);
+                if let Some(measure) = seen {
+                    add_near_lights(solver, &of_pixels, of_sky, measure, lights, &mut influence)?;
+                    step("near lights");
+                }
+                of_light.iter_mut().zip(&influence).for_each(|(sum, influence)| *sum += influence);
+                done += 1.0 / of_sky_count;
             }
-            let value = found.of_sky.unwrap_or(0.0);
-            (before_scaling, after_scaling) = (before_scaling + value / scale, after_scaling + value);
-            if let Some(measure) = seen {
-                add_near_lights(solver, &of_pixels, of_sky, measure, lights, &mut influence)?;
-                step("near lights");
-            }
-            parts.push((lights.shared_pixels(), influence));
+            parts.push((lights.shared_pixels(), of_light));
         }
         let (pixels, influence) = together(parts);
         let total = Part::of_all(&pixels, &influence);
@@ -228,6 +249,27 @@ impl Observatory {
             sums: OnceLock::new(),
             steps,
         })
+    }
+}
+
+/// A sky of broken clouds, and what those that it is made of do to it.
+struct CoveredSky {
+    sky: Panorama,
+    slopes: CoverSlopes,
+}
+
+impl CoveredSky {
+    fn new(gaps: &Gaps, clear: Panorama, overcast: &Panorama) -> Self {
+        let slopes = gaps.slopes(&clear, overcast);
+        let mut sky = clear;
+        gaps.cover(&mut sky, overcast);
+        Self { sky, slopes }
+    }
+
+    /// * `layer`: 0 for the clear sky.
+    fn within(&self, layer: usize) -> Within<'_> {
+        let CoverSlopes { by_clear, by_overcast } = &self.slopes;
+        Within { sky: &self.sky, slopes: if layer == 0 { by_clear } else { by_overcast } }
     }
 }
 

@@ -194,7 +194,7 @@ impl Observatory {
     }
 
     /// The same for a sky; between broken clouds it is that of a clear one, and packs that know no skylines do without.
-    fn hides_lights_of(&self, request: &SkyRequest) -> bool {
+    pub(crate) fn hides_lights_of(&self, request: &SkyRequest) -> bool {
         let clear = PackKind { cloud_base_m: None, ..request.kind() };
         self.hides_lights(if request.broken_clouds.is_some() { clear } else { request.kind() })
     }

@@ -210,7 +210,7 @@ impl Observatory {
 
     fn state(&self, scene: &Scene, site: &InfluenceRequest) -> Result<SkyState, ObservatoryError> {
         let sky = &site.sky;
-        let hides_lights = self.hides_lights(sky.kind());
+        let hides_lights = self.hides_lights_of(sky);
         let surroundings = Surroundings::on_ground(scene.ground(sky.place), scene, sky, hides_lights);
         let sky = self.render(surroundings, sky)?;
         let weights = site.measure.weights(&sky.horizon);

@@ -161,7 +161,7 @@ impl Surroundings {
     }
 
     /// The gaps between broken clouds over the eye.
-    fn gaps(&self, request: &SkyRequest) -> Option<Gaps> {
+    pub(crate) fn gaps(&self, request: &SkyRequest) -> Option<Gaps> {
         let base_m = f64::from(request.cloud_base_m?);
         Some(request.broken_clouds?.gaps(base_m - self.altitude_m))
     }

@@ -40,7 +40,10 @@ fn pixels_add_up_and_count_as_if_alone() {
                 let of_grid = |polar: PolarGrid| -> (Vec<_>, f64) {
                     let asked = RenderRequest { polar: Arc::new(polar), ..asked.clone() };
                     let cells = solver
-                        .cells(&asked, MeasureOfCells::Linear(SeenMeasure { measure, rule: &rule }))
+                        .cells(
+                            &asked,
+                            MeasureOfCells::Linear(SeenMeasure { measure, rule: &rule, within: None }),
+                        )
                         .unwrap();
                     let fluxes = asked.polar.cells.iter().map(|cell| f64::from(cell.flux_dnb_w));
                     let sum = cells.iter().zip(fluxes).map(|(cell, flux)| cell.per_dnb_w * flux).sum();

@@ -4,7 +4,9 @@
 mod common;
 
 use common::{engine, sky, store_town_on, town};
-use skyglow_observatory::{Observatory, ObservatoryError, ObserverHeight, RenderedSky, SkyRequest};
+use skyglow_observatory::{
+    InfluenceRequest, Measure, Observatory, ObservatoryError, ObserverHeight, RenderedSky, SkyRequest,
+};
 use skyglow_physics::{AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BrokenClouds, GeoPoint, Horizon, Panorama};
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, synthetic};
 use skyglow_scene::{Ground, IngestOptions, SceneError, SceneId, SceneStore, ingest};
@@ -266,4 +268,34 @@ fn broken_clouds_let_natural_light_through() {
     let places = 0..one.seen.plane(1).len();
     assert!(places.clone().any(|at| share(at) == 0.0) && places.clone().any(|at| share(at) == 1.0));
     assert!(places.filter(|at| share(*at) == 0.0).all(|at| natural(at) == 0.0));
+}
+
+/// Between clouds lights add up to the sky's own value, and dimming all of them takes that much.
+#[test]
+fn influences_add_up_between_clouds() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let mut tables = synthetic::table_set(&[2.0, 3.0], 8);
+    tables.extend(synthetic::under_clouds(synthetic::table_set(&[2.0, 3.0], 8), 2_000));
+    let engine =
+        Engine::start(EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() }).unwrap();
+    let observatory = Observatory::new(engine, Vec::new(), data.path(), 2);
+    for (cover, pattern) in [(0.0, None), (0.4, None), (0.4, Some(3)), (1.0, None)] {
+        let sky = SkyRequest {
+            cloud_base_m: Some(2_000),
+            broken_clouds: BrokenClouds::new(cover, pattern).ok(),
+            ..request(-1.35, 36.5, ObserverHeight::AboveGround(2.0))
+        };
+        let seen = observatory.sky_blocking(&sky).unwrap().quantities;
+        for (measure, wanted) in [
+            (Measure::Zenith, seen.zenith_luminance_cd_m2),
+            (Measure::Horizontal, seen.horizontal_illuminance_lx),
+        ] {
+            let map = observatory.influence(&InfluenceRequest { sky: sky.clone(), measure }).unwrap();
+            let total = map.total().influence;
+            assert!((total / wanted - 1.0).abs() < 1e-4, "{cover} {pattern:?} {total} {wanted}");
+        }
+        let norm = observatory.influence(&InfluenceRequest { sky, measure: Measure::Norm });
+        assert!(matches!(norm, Err(ObservatoryError::NormBetweenClouds)));
+    }
 }

@@ -9,6 +9,7 @@
 //!   L_below ≈ min(L_clear, L_overcast / (1 + (sin e / 0.35)²)),   e: elevation
 
 use crate::{
+    bands::BAND_COUNT,
     error::{PhysicsError, check_range},
     geometry::EARTH_RADIUS_M,
     panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, elevation_rad},
@@ -143,6 +144,21 @@ fn through_gap(clear: f32, overcast: f32, cover: f32, share_below: f32) -> f32 {
     cover * below + (1.0 - cover) * clear
 }
 
+/// Its derivatives by the clear and by the overcast sky.
+fn slopes_through_gap(clear: f32, overcast: f32, cover: f32, share_below: f32) -> [f32; 2] {
+    if clear <= share_below * overcast { [1.0, 0.0] } else { [1.0 - cover, cover * share_below] }
+}
+
+/// What skies without clouds and under a closed layer have in one of broken clouds, sample by sample: Σ slope·sky over both is that sky
+/// (it is homogeneous of the first degree).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoverSlopes {
+    /// ∂L/∂L_clear, `[band][row][column]`.
+    pub by_clear: Vec<f32>,
+    /// ∂L/∂L_overcast, `[band][row][column]`.
+    pub by_overcast: Vec<f32>,
+}
+
 /// Gaps over an eye.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaps {
@@ -172,19 +188,30 @@ impl Gaps {
 
     /// Turns artificial light under a clear sky into that under these clouds, given that under a closed layer.
     pub fn cover(&self, clear: &mut Panorama, overcast: &Panorama) {
-        let planes = clear.samples_mut().chunks_exact_mut(self.shares.len());
-        for (plane, clouds) in planes.zip(overcast.samples().chunks_exact(self.shares.len())) {
-            let rows = plane.chunks_exact_mut(AZIMUTH_COUNT).zip(clouds.chunks_exact(AZIMUTH_COUNT));
-            for (row, ((samples, clouds), shares)) in
-                rows.zip(self.shares.chunks_exact(AZIMUTH_COUNT)).enumerate()
-            {
-                let below = share_below(elevation_rad(row)) as f32;
-                for ((sample, cloud), share) in samples.iter_mut().zip(clouds).zip(shares) {
-                    let gap = through_gap(*sample, *cloud, self.cover, below);
-                    *sample = share * gap + (1.0 - share) * cloud;
-                }
-            }
+        let samples = clear.samples_mut().iter_mut().zip(overcast.samples());
+        for ((sample, cloud), (share, below)) in samples.zip(self.samples()) {
+            let gap = through_gap(*sample, *cloud, self.cover, below);
+            *sample = share * gap + (1.0 - share) * cloud;
         }
+    }
+
+    /// What a change of either sky does to that under these clouds.
+    pub fn slopes(&self, clear: &Panorama, overcast: &Panorama) -> CoverSlopes {
+        let samples = clear.samples().iter().zip(overcast.samples()).zip(self.samples());
+        let slopes = samples.map(|((clear, cloud), (share, below))| {
+            let [by_clear, by_overcast] = slopes_through_gap(*clear, *cloud, self.cover, below);
+            (share * by_clear, share * by_overcast + (1.0 - share))
+        });
+        let (by_clear, by_overcast) = slopes.unzip();
+        CoverSlopes { by_clear, by_overcast }
+    }
+
+    /// Share of gaps and share below the layer at every sample of a panorama.
+    fn samples(&self) -> impl Iterator<Item = (f32, f32)> {
+        let rows = (0..ELEVATION_COUNT).map(|row| share_below(elevation_rad(row)) as f32);
+        let below: Vec<f32> = rows.flat_map(|below| [below; AZIMUTH_COUNT]).collect();
+        let plane = self.shares.iter().copied().zip(below).collect::<Vec<_>>();
+        (0..BAND_COUNT).flat_map(move |_| plane.clone())
     }
 }
 

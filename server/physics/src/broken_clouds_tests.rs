@@ -142,3 +142,33 @@ fn the_mean_is_near_the_first_order() {
     }
     assert!(sum / count < 0.03 && largest < 0.2, "{} {largest}", sum / count);
 }
+
+proptest! {
+    /// Slopes are derivatives, and with the skies add up to the sky.
+    #[test]
+    fn slopes_of_covers_add_up(
+        clear in 1e-9..1e-6f32, ratio in 0.01..30.0f32, cover in 0.05..0.95f64, pattern in prop::option::of(1u32..9),
+    ) {
+        let gaps = BrokenClouds::new(cover, pattern).unwrap().gaps(1_500.0);
+        let [clear, overcast] = [clear, clear * ratio].map(sky_of);
+        let slopes = gaps.slopes(&clear, &overcast);
+        let covered = |clear: &Panorama, overcast: &Panorama| {
+            let mut sky = clear.clone();
+            gaps.cover(&mut sky, overcast);
+            sky
+        };
+        let sky = covered(&clear, &overcast);
+        let [more_clear, more_overcast] = [&clear, &overcast].map(|sky| sky_of(1.0001 * sky.samples()[0]));
+        let (by_clear, by_overcast) = (covered(&more_clear, &overcast), covered(&clear, &more_overcast));
+        for at in (0..Panorama::LEN).step_by(997) {
+            let [value, clear, overcast] = [&sky, &clear, &overcast].map(|sky| f64::from(sky.samples()[at]));
+            let [of_clear, of_overcast] =
+                [&slopes.by_clear, &slopes.by_overcast].map(|slopes| f64::from(slopes[at]));
+            prop_assert!(((of_clear * clear + of_overcast * overcast) / value - 1.0).abs() < 1e-5);
+            for (moved, own, slope) in [(&by_clear, clear, of_clear), (&by_overcast, overcast, of_overcast)] {
+                let change = (f64::from(moved.samples()[at]) - value) / (1e-4 * own);
+                prop_assert!((change - slope).abs() < 1e-2 * (1.0 + value / own), "{change} {slope}");
+            }
+        }
+    }
+}

@@ -54,7 +54,7 @@ pub mod value_noise;
 pub use atmosphere::{Atmosphere, Turbidity};
 pub use bands::{BAND_COUNT, Band};
 pub use blocked_source::BlockedSource;
-pub use broken_clouds::{BrokenClouds, Gaps};
+pub use broken_clouds::{BrokenClouds, CoverSlopes, Gaps};
 pub use cloud::CloudBase;
 pub use emission::{EmissionMix, LOBE_COUNT, Lobe};
 pub use emission_law::{Emission, EmissionKeep, GarstangLaw};

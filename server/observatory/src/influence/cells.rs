@@ -5,7 +5,7 @@ use super::{
     correlation::correlate,
     norms::NormsOfPack,
     products::products,
-    ready::{ReadyRequest, ReadyRequests},
+    ready::{KnownSky, ReadyRequest, ReadyRequests},
     scales::{Slope, scales_of},
     sensitivity::{SeenMeasure, sensitivities, spectral_weights},
 };
@@ -178,6 +178,16 @@ impl InfluenceSolver {
             }
             norm_of_values(&values_of(&sky, rule))
         }))
+    }
+
+    /// The sky that [`Self::cells_in_sky`] finds parts of, with near lights as they are.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`] of either.
+    pub fn sky(&self, request: &RenderRequest, sky: &RenderRequest) -> Result<Panorama, ObservatoryError> {
+        let ready = self.ready.get(request, Some(sky), &self.set, &self.executor)?;
+        let known = ready.sky.as_ref().and_then(KnownSky::whole);
+        Ok(known.cloned().unwrap_or_else(Panorama::dark))
     }
 
     /// What near lights do to a linear measure of the sky of `sky` beyond what its cells have of them, by their place in the

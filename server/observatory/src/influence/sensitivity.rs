@@ -16,16 +16,32 @@ pub struct SeenMeasure<'a> {
     pub measure: &'a LinearMeasure,
     /// What the response makes of the light.
     pub rule: &'a SpectralRule,
+    /// The sky that the kernel is a part of, where it is not all of it.
+    pub within: Option<Within<'a>>,
+}
+
+/// A sky that another is a part of, as one between clouds is.
+#[derive(Clone, Copy, Debug)]
+pub struct Within<'a> {
+    /// The whole.
+    pub sky: &'a Panorama,
+    /// What it changes by for a change of the part, `[band][row][column]`.
+    pub slopes: &'a [f32],
 }
 
 /// ∂(measure)/∂(kernel) at the state of a sky, `[band][row][column]`: Σ weight·kernel over its own samples is its measure (Euler).
-pub(super) fn spectral_weights(sky: &Panorama, SeenMeasure { measure, rule }: SeenMeasure<'_>) -> Vec<f32> {
+pub(super) fn spectral_weights(sky: &Panorama, seen: SeenMeasure<'_>) -> Vec<f32> {
+    let SeenMeasure { measure, rule, within } = seen;
+    let sky = within.map_or(sky, |within| within.sky);
     let mut weights = vec![0f32; Panorama::LEN];
     for (direction, weight) in measure.weights().iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
         let kernel = from_fn(|band| f64::from(sky.samples()[band * DIRECTION_COUNT + direction]));
         for (band, slope) in rule.gradient(kernel).into_iter().enumerate() {
             weights[band * DIRECTION_COUNT + direction] = (weight * slope) as f32;
         }
+    }
+    if let Some(within) = within {
+        weights.iter_mut().zip(within.slopes).for_each(|(weight, slope)| *weight *= slope);
     }
     weights
 }

@@ -26,7 +26,7 @@ static RULE: LazyLock<Arc<SpectralRule>> =
     LazyLock::new(|| Lamp::default().light().rule(&Response::Scotopic));
 
 fn linear(measure: &LinearMeasure) -> MeasureOfCells<'_> {
-    MeasureOfCells::Linear(SeenMeasure { measure, rule: &RULE })
+    MeasureOfCells::Linear(SeenMeasure { measure, rule: &RULE, within: None })
 }
 
 /// What the rule makes of the sky, `[row][column]`.
