@@ -26,7 +26,7 @@ test("clouds have a cover that a link keeps", async () => {
   assert.match(ofKind("sky"), /cloud_cover=0.4(&|$)/);
   assert.doesNotMatch(ofKind("sky"), /cloud_pattern/);
   assert.match(ofKind("panorama.sky"), /cloud_cover=0.4&cloud_pattern=3/);
-  assert.doesNotMatch(ofKind("shares"), /cloud_cover/);
+  assert.match(ofKind("shares"), /cloud_cover=0.4(&|$)/);
   const { sky } = await getJson(skyPath(here.scene, "sky", here.beside, "&clouds=1500&cloud_cover=0.4"));
   const zenith = sky.zenith_total_brightness_mag_arcsec2.toFixed(2);
   assert.match(await number(page, "zenith_total_mag"), new RegExp(zenith.replace(".", "[.]")));

@@ -236,7 +236,7 @@ export const CONDITIONS = [
 ] as const;
 
 export function conditionsOf(state: State): Conditions {
-  const { turbidity, scattering, clouds, lamp, emission, terrain, scenario, lights } = state;
+  const { turbidity, scattering, clouds, cloudCover, lamp, emission, terrain, scenario, lights } = state;
   const { directUplight, groundReflectance, emissionKeep, response } = state;
   return {
     lamp,
@@ -248,6 +248,7 @@ export function conditionsOf(state: State): Conditions {
     ...(turbidity === null ? {} : { turbidity }),
     ...(scattering === null ? {} : { scattering }),
     ...(clouds === null ? {} : { clouds: String(clouds) }),
+    ...(clouds === null || cloudCover >= 100 ? {} : { cloud_cover: cloudCover / 100 }),
     ...(scenario === null || lights === "today" ? {} : { scenario }),
     ...(response === "photopic" ? {} : { response }),
   };
@@ -261,12 +262,8 @@ export function pictureConditions(state: State): Conditions {
 
 /** Those of the sky's numbers: of the picture's, at the time that is chosen. */
 export function skyConditions(state: State): SkyConditions {
-  const { clouds, cloudCover, time } = state;
-  return {
-    ...pictureConditions(state),
-    ...(clouds === null || cloudCover >= 100 ? {} : { cloud_cover: cloudCover / 100 }),
-    ...(time === null ? {} : { time }),
-  };
+  const { time } = state;
+  return { ...pictureConditions(state), ...(time === null ? {} : { time }) };
 }
 
 /** The same for a picture, in which clouds stand where one of their patterns has them: the mean of all would be a haze. */
@@ -304,12 +301,12 @@ export function areaSharesQuery(state: State, place: Place, { nameField }: Pick<
 
 /** Darker places are looked for under a clear sky. */
 export function darkerQuery(state: State, place: Place): DarkerQuery {
-  const { clouds: _, ...clear } = pictureConditions(state);
+  const { clouds: _, cloud_cover: _cover, ...clear } = pictureConditions(state);
   return { ...coordinatesOf(place), ...clear };
 }
 
 /** Hours are told of a clear sky, in total light. */
 export function nightQuery(state: State, place: Place, date: string): NightQuery {
-  const { clouds: _clouds, response: _response, ...clear } = conditionsOf(state);
+  const { clouds: _clouds, cloud_cover: _cover, response: _response, ...clear } = conditionsOf(state);
   return { ...coordinatesOf(place), ...clear, date };
 }

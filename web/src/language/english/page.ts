@@ -162,7 +162,7 @@ export const page = {
     closedClouds: (baseM: number) => `closed, from ${baseM} m up`,
     brokenClouds: (baseM: number, cover: string) => `over ${cover} of the sky, from ${baseM} m up`,
     cloudCover: "Of the sky they cover",
-    cloudCoverNote: "Numbers are the mean of all such skies; the picture shows one. Whose light it is, is told for a closed layer.",
+    cloudCoverNote: "Numbers are the mean of all such skies; the picture shows one.",
     lamps: "Lamps",
     emission: "Shielding of the lamps",
     emissionShares: "Shares of their light",

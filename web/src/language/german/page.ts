@@ -155,8 +155,7 @@ export const page: PageWords = {
     closedClouds: (baseM) => `geschlossen, ab ${baseM} m Höhe`,
     brokenClouds: (baseM, cover) => `über ${cover} des Himmels, ab ${baseM} m Höhe`,
     cloudCover: "Davon bedeckt",
-    cloudCoverNote:
-      "Die Zahlen sind das Mittel aller solchen Himmel; das Bild zeigt einen. Wessen Licht es ist, gilt für eine geschlossene Decke.",
+    cloudCoverNote: "Die Zahlen sind das Mittel aller solchen Himmel; das Bild zeigt einen.",
     lamps: "Lampen",
     emission: "Abschirmung der Lampen",
     emissionShares: "Anteile ihres Lichts",
