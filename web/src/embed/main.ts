@@ -44,7 +44,7 @@ async function show(): Promise<void> {
   const widthPx = pictureWidthPx(document.documentElement.clientWidth, devicePixelRatio);
   picture.classList.toggle("whole", look.projection === "fisheye");
   picture.alt = say.compare.skyOver(name);
-  picture.src = pictureUrl(scene.id, parameters, look, { ...pictureSize(look, widthPx), legend: "off" });
+  picture.src = pictureUrl(scene.id, parameters, look, { ...pictureSize(look, widthPx), legend: "off" }, "webp");
   const sky = byId("sky", HTMLAnchorElement);
   sky.href = open.href;
   sky.title = say.downloads.openViewer;
