@@ -39,6 +39,9 @@ for (const [name, device] of [
     assert.match(await horizons.nth(1).textContent(), clean.length === 0 ? /^bright horizon/ : /^dark horizon: /);
     const queries = await page.$$eval("#compare img", (images) => images.map(({ src }) => new URL(src).searchParams.toString()));
     assert.equal(new Set(queries.map((query) => query.replace(/l(at|on)=[^&]*/g, ""))).size, 1, `${queries}`);
+    // Each is asked for once, when it is known what the eye is adapted to.
+    const pictures = opened.asked.filter((path) => path.includes("/panorama.png?") && path.includes("width=512"));
+    assert.deepEqual(pictures.map((path) => new URLSearchParams(path.split("?")[1]).toString()).sort(), queries.sort());
     const [left, right] = await page.$$eval("#compare img", (images) =>
       images.map((image) => image.getBoundingClientRect().toJSON()),
     );

@@ -41,6 +41,8 @@ test("the embedded view shows a place", async () => {
     });
     assert.equal(href, `${SERVER}/${fragment(here.beside)}`);
     assert.equal(target, "_blank");
+    assert.match(await page.getAttribute("#picture", "src"), /panorama\.webp\?/);
+    assert.notEqual((await page.getAttribute("meta[name=description]", "content")) ?? "", "");
     await shot(page, device === DESKTOP ? "embed" : "embed-phone");
     const viewer = await context.newPage();
     await viewer.goto(href);

@@ -57,6 +57,24 @@ test("another language stays after a reload", async () => {
   await context.close();
 });
 
+/** What the server says is German too: the titles of problems, what is wrong with a value, and what an answer had to do without. */
+test("the server's words are German too", async () => {
+  const opened = await openPage(browser, fragment(here.beside), GERMAN);
+  const { page, context } = opened;
+  await skyShown(page);
+  for (const warning of await page.locator("[data-value=warning]").all()) assert.equal(await warning.getAttribute("lang"), null);
+  const lost = "s-00000000000000000000";
+  await page.evaluate((id) => {
+    location.hash += `&scenario=${id}`;
+  }, lost);
+  const notice = page.locator("#notice");
+  await notice.getByText("Dieses Szenario oder diesen Plan gibt es nicht").waitFor();
+  assert.match(await notice.textContent(), new RegExp(`Ein Szenario oder einen Plan „${lost}“ gibt es nicht`));
+  assert.equal(await notice.locator("[lang=en]").count(), 0);
+  await shot(page, "german_problem");
+  await context.close();
+});
+
 /** English serves where the language's file does not come, and for languages that nobody has written. */
 test("English serves where a language fails", async () => {
   const context = await browser.newContext({ ...GERMAN, serviceWorkers: "block" });

@@ -85,6 +85,14 @@ test("one coloured layer is on at a time", async () => {
   assert.equal(await page.inputValue("#measure"), "mean");
   await page.check("#layer-radiance");
   assert.deepEqual(await on(), ["layer-radiance", "layer-elevation"]);
+  // So it is in a link that names two.
+  const both = `#scene=${here.scene.id}&lat=${latitude_deg}&lon=${longitude_deg}&influence=0.9&brightness=0.8`;
+  await page.evaluate((link) => {
+    location.hash = link;
+  }, both);
+  await page.waitForSelector("#layer-influence:checked");
+  assert.deepEqual(await on(), ["layer-influence"]);
+  assert.doesNotMatch(page.url(), /brightness/);
   assertNoFaults(opened);
   await context.close();
 });

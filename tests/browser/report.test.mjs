@@ -14,6 +14,19 @@ async function reportShown(page) {
   );
 }
 
+/** Mean of the bytes of pictures. */
+function brightness(page, selector) {
+  return page.$$eval(selector, (images) =>
+    images.map((image) => {
+      const canvas = new OffscreenCanvas(256, 32);
+      const context = canvas.getContext("2d");
+      context.drawImage(image, 0, 0, 256, 32);
+      const { data } = context.getImageData(0, 0, 256, 32);
+      return data.reduce((sum, byte, i) => sum + (i % 4 === 3 ? 0 : byte), 0) / (256 * 32 * 3);
+    }),
+  );
+}
+
 /** A plan for the place, stored. */
 async function planned() {
   const { latitude_deg: lat, longitude_deg: lon } = here.beside;
@@ -74,6 +87,15 @@ test("a report prints as pages of A4", async () => {
   await reportShown(page);
   await page.waitForSelector("#report .change .lead");
   assert.equal(await page.locator("#report .change img").count(), 2);
+  // Both skies are seen by one eye: one that adapts to each sees them alike.
+  const seen = await page.$$eval("#report .change img", (images) =>
+    images.map(({ src }) => Number(new URL(src).searchParams.get("adaptation"))),
+  );
+  assert.ok(seen[0] > 1e-4 && seen[0] === seen[1], `${seen}`);
+  for (const caption of await page.locator("#report .change figcaption").allTextContents())
+    assert.match(caption, /, to an eye adapted to the sky of today$/);
+  const [before, after] = await brightness(page, "#report .change img");
+  assert.ok(after < 0.95 * before, `${before} before, ${after} after`);
   const rows = await page.locator("#report .changes tbody tr").allTextContents();
   const [{ sky_before, sky_after }] = plan.sites;
   const mags = [sky_before, sky_after].map((sky) => sky.zenith_total_brightness_mag_arcsec2.toFixed(2));

@@ -1,6 +1,7 @@
 // Errors of the server in words that a person can act on.
 
-import { words } from "../language/words.ts";
+import { asSentence, mistakeIn, own, type Said, sentenceIn, titleIn } from "../language/server-words.ts";
+import { loadServerWords, serverWords, words } from "../language/words.ts";
 import type { Problem } from "./types.ts";
 
 /** An answer other than success. Status 0: no answer at all. */
@@ -31,6 +32,8 @@ export async function problemFromResponse(response: Response): Promise<Partial<P
     title: words().problems.answered(`${response.status} ${response.statusText}`.trim()),
     status: response.status,
   };
+  // They come before the problem is told.
+  await loadServerWords();
   if (!(response.headers.get("content-type") ?? "").includes("json")) return otherwise;
   try {
     return { ...otherwise, ...((await response.json()) as Problem) };
@@ -41,20 +44,34 @@ export async function problemFromResponse(response: Response): Promise<Partial<P
 
 /** A headline and the sentences below it. */
 export interface ProblemText {
-  headline: string;
-  sentences: string[];
+  headline: Said;
+  sentences: Said[];
 }
 
 export function describeProblem(reason: unknown): ProblemText {
   if (!(reason instanceof ApiError)) {
-    return { headline: words().problems.headline, sentences: [reason instanceof Error ? reason.message : String(reason)] };
+    const what = reason instanceof Error ? reason.message : String(reason);
+    return { headline: own(words().problems.headline), sentences: [own(what)] };
   }
-  const { problem } = reason;
-  const sentences = problem.detail === undefined ? [] : [problem.detail];
-  for (const error of problem.errors ?? []) {
-    const value = error.value === undefined || error.value === null ? "" : ` = ${error.value}`;
-    const sentence = words().problems.allowed(`${error.parameter}${value}`, error.message, error.allowed);
-    if (sentence !== problem.detail) sentences.push(sentence);
-  }
-  return { headline: reason.message, sentences };
+  const { problem, message } = reason;
+  // What has no type is the viewer's.
+  if (problem.type === undefined)
+    return { headline: own(message), sentences: problem.detail === undefined ? [] : [own(problem.detail)] };
+  const spoken = serverWords();
+  const mistakes = (problem.errors ?? []).map(({ parameter, value, message: mistake, code, allowed }): Said => {
+    const name = value === undefined || value === null ? parameter : `${parameter} = ${value}`;
+    const said = mistakeIn(mistake, code, spoken);
+    const sentence = words().problems.allowed(name, said.text, sentenceIn(allowed, spoken).text);
+    return { text: sentence, isEnglish: said.isEnglish };
+  });
+  // The detail says the same of mistakes.
+  const detail = mistakes.length > 0 || problem.detail === undefined ? [] : [asSentence(sentenceIn(problem.detail, spoken))];
+  return { headline: titleIn(message, problem.type, spoken), sentences: [...detail, ...mistakes] };
+}
+
+/** The same in one line. */
+export function problemLine(reason: unknown): Said {
+  const { headline, sentences } = describeProblem(reason);
+  const all = [asSentence(headline), ...sentences];
+  return { text: all.map(({ text }) => text).join(" "), isEnglish: all.every(({ isEnglish }) => isEnglish) };
 }

@@ -1,11 +1,11 @@
 // The view for other people's pages: the sky of one place as a picture and a sentence, and the way to the viewer.
 
 import { api } from "../api/client.ts";
-import { describeProblem } from "../api/problem.ts";
+import { problemLine } from "../api/problem.ts";
 import { chooseLanguage, loadWords, placeWords, words } from "../language/words.ts";
 import { type AppState, coordinatesOf, initialState, sceneFor, sharesQuery, skyConditions } from "../state/app-state.ts";
 import { stateFromFragment } from "../state/fragment.ts";
-import { byId, make } from "../ui/dom.ts";
+import { byId, make, told } from "../ui/dom.ts";
 import { placeName } from "../ui/nearby.ts";
 import { pictureUrl } from "../ui/picture-url.ts";
 import { glowSentence, summaryOf } from "../ui/summary.ts";
@@ -44,7 +44,7 @@ async function show(): Promise<void> {
   const widthPx = pictureWidthPx(document.documentElement.clientWidth, devicePixelRatio);
   picture.classList.toggle("whole", look.projection === "fisheye");
   picture.alt = say.compare.skyOver(name);
-  picture.src = pictureUrl(scene.id, parameters, look, { ...pictureSize(look, widthPx), legend: "off" });
+  picture.src = pictureUrl(scene.id, parameters, look, { ...pictureSize(look, widthPx), legend: "off" }, "webp");
   const sky = byId("sky", HTMLAnchorElement);
   sky.href = open.href;
   sky.title = say.downloads.openViewer;
@@ -58,8 +58,7 @@ async function show(): Promise<void> {
 }
 
 function fail(reason: unknown): void {
-  const { headline, sentences } = describeProblem(reason);
-  byId("sentence", HTMLElement).textContent = [headline, ...sentences].join(". ");
+  byId("sentence", HTMLElement).replaceChildren(told("span", "", problemLine(reason)));
   document.querySelector("main")?.setAttribute("aria-busy", "false");
 }
 

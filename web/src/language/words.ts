@@ -5,6 +5,7 @@ import { page } from "./english/page.ts";
 import type { PlaceWords } from "./english/place.ts";
 import type { ReportWords } from "./english/report.ts";
 import { applyWords } from "./markup.ts";
+import type { ServerWords } from "./server-words.ts";
 
 /** The words that the page begins with, and those that come later. */
 export interface WordsByPart {
@@ -19,6 +20,8 @@ interface Language {
   /** In the language itself. */
   name: string;
   load: { readonly [P in Part]: () => Promise<WordsByPart[P]> };
+  /** What the server says, in the language; null: as it says it. */
+  server: (() => Promise<ServerWords>) | null;
 }
 
 /** English begins with the viewer; all else comes when it is needed. */
@@ -30,6 +33,7 @@ export const LANGUAGES: Readonly<Record<string, Language>> = {
       place: async () => (await import("./english/place.ts")).place,
       report: async () => (await import("./english/report.ts")).report,
     },
+    server: null,
   },
   de: {
     name: "Deutsch",
@@ -38,12 +42,14 @@ export const LANGUAGES: Readonly<Record<string, Language>> = {
       place: async () => (await import("./german/place.ts")).place,
       report: async () => (await import("./german/report.ts")).report,
     },
+    server: async () => (await import("./german/server.ts")).server,
   },
 };
 
 const LANGUAGE_KEY = "skyglow.language";
 
 const loaded: { [P in Part]?: WordsByPart[P] } = { page };
+let ofServer: ServerWords | null = null;
 
 function part<P extends Part>(name: P): WordsByPart[P] {
   const found = loaded[name];
@@ -66,10 +72,25 @@ export function reportWords(): WordsByPart["report"] {
   return part("report");
 }
 
+/** What the server says, in the page's language; null: as it says it, which is what there is until these are loaded. */
+export function serverWords(): ServerWords | null {
+  return ofServer;
+}
+
+/** Loads them; without them the server's own words serve. */
+export async function loadServerWords(): Promise<void> {
+  try {
+    ofServer ??= (await LANGUAGES[words().locale]?.server?.()) ?? null;
+  } catch {
+    // The next answer tries again.
+  }
+}
+
 /** Loads a part in the page's language, once, and puts its words into the page. */
 export async function loadWords(name: Part): Promise<void> {
   if (loaded[name] !== undefined) return;
-  const found = await LANGUAGES[words().locale]?.load[name]();
+  // What the server says comes with what shows its answers.
+  const [found] = await Promise.all([LANGUAGES[words().locale]?.load[name](), ...(name === "place" ? [loadServerWords()] : [])]);
   if (found === undefined) return;
   Object.assign(loaded, { [name]: found });
   // The page came with these in English.

@@ -8,7 +8,7 @@ import { colourNote } from "../ui/comparison.ts";
 import { make } from "../ui/dom.ts";
 import { percent, whole, withPrefix } from "../ui/format.ts";
 import { effectByTown } from "../ui/plan-card.ts";
-import type { ReportedSky } from "./report-data.ts";
+import type { ReportData, ReportedSky } from "./report-data.ts";
 import { picture, section, shareTable } from "./sections.ts";
 
 /** Towns that are named; the rest are summed up. */
@@ -29,6 +29,13 @@ function lead(change: Change | null): string {
   return report.planLead(percent(flux_removed_share), withPrefix(flux_removed_dnb_w, "W"), whole(dimmed_pixels));
 }
 
+/** A caption that says which eye both pictures are seen by: one that adapts to each would see them alike. */
+function seenBy(title: string, eye: ReportData["eye"]): string {
+  const { report } = reportWords();
+  if (eye === null) return title;
+  return eye.isKept ? report.toKeptEye(title, withPrefix(eye.adaptationCdM2, "cd/m²")) : report.toTodaysEye(title);
+}
+
 /** Whose light a plan dims. */
 function effect(change: Change | null, places: readonly NamedPlace[]): HTMLElement[] {
   if (change?.kind !== "plan" || places.length === 0 || change.plan.pixels.length === 0) return [];
@@ -44,7 +51,7 @@ export function changeSection(
   today: ReportedSky,
   after: ReportedSky,
   change: Change | null,
-  { name, places }: { name: string; places: readonly NamedPlace[] },
+  { name, places, eye }: { name: string; places: readonly NamedPlace[]; eye: ReportData["eye"] },
 ): HTMLElement {
   const { report } = reportWords();
   const { withPlan, asPainted } = words().sky;
@@ -57,8 +64,8 @@ export function changeSection(
   const shown = section(
     isPainted ? report.painted : report.plan,
     ...(change === null ? [] : [make("p", "lead", lead(change))]),
-    picture(today, PICTURE_HEIGHT_PX, alt, report.today),
-    picture(after, PICTURE_HEIGHT_PX, alt, isPainted ? asPainted : withPlan),
+    picture(today, PICTURE_HEIGHT_PX, alt, seenBy(report.today, eye)),
+    picture(after, PICTURE_HEIGHT_PX, alt, seenBy(isPainted ? asPainted : withPlan, eye)),
     changeTable(before, now, { fluxesDnbW: fluxes, energyRatio: null }),
     ...(note === "" ? [] : [make("p", "note", note)]),
     ...effect(change, places),

@@ -6,11 +6,11 @@ import type { Change } from "../lights/plan-request.ts";
 import type { ViewState } from "../state/view-state.ts";
 import { timeWithClock } from "../ui/captioned.ts";
 import { assumedClouds } from "../ui/clouds.ts";
-import { inEnglish, make } from "../ui/dom.ts";
+import { make } from "../ui/dom.ts";
 import { coordinates, fixed, shortNumber } from "../ui/format.ts";
 import { emissionTitle, lampTitle } from "../ui/lamps.ts";
 import { placeName } from "../ui/nearby.ts";
-import { terrainTitle } from "../ui/numbers.ts";
+import { terrainTitle, warning } from "../ui/numbers.ts";
 import { scatteringTitle } from "../ui/scattering.ts";
 import { glowSentence, summaryOf } from "../ui/summary.ts";
 import { changeSection } from "./change-section.ts";
@@ -61,7 +61,7 @@ export function reportDocument(
     picture(today, PICTURE_HEIGHT_PX, report.pictureOf(name), report.picture),
     section(report.numbers, numbersTable(answer)),
     sharesSection(data),
-    ...(after === null ? [] : [changeSection(today, after, change, { name, places })]),
+    ...(after === null ? [] : [changeSection(today, after, change, { name, places, eye: data.eye })]),
     assumptions(data, shown),
     credit(data, link),
   );
@@ -76,7 +76,7 @@ function assumptions({ scene, today: { answer } }: ReportData, shown: Shown): HT
     ...(directUplight === null ? [] : [`${say.directUplight}: ${fixed(100 * directUplight, 1)} %`]),
     ...(groundReflectance === null ? [] : [`${say.groundReflectance}: ${fixed(100 * groundReflectance, 0)} %`]),
   ];
-  const warnings = answer.warnings.map((text) => inEnglish(make("p", "note", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`)));
+  const warnings = answer.warnings.map((text) => warning(text, "note"));
   const known = facts([
     [say.turbidity, fixed(answer.turbidity, 1)],
     [say.scattering, scatteringTitle(answer.scattering)],

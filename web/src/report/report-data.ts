@@ -4,7 +4,17 @@ import { api, type SkyParameters } from "../api/client.ts";
 import type { AreaShares, Scene, Shares, SkyAnswer } from "../api/types.ts";
 import { LISTED_TOWNS } from "../data/shares-session.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
-import { type AppState, coordinatesOf, sceneOf, sharesQuery, skyConditions } from "../state/app-state.ts";
+import { SkyGrid } from "../sky/grid.ts";
+import { adaptationOf } from "../sky/shading.ts";
+import {
+  type AppState,
+  coordinatesOf,
+  landCdM2Of,
+  sceneOf,
+  sharesQuery,
+  skyConditions,
+  withCloudPattern,
+} from "../state/app-state.ts";
 import type { Place } from "../state/view-state.ts";
 import { pictureUrl } from "../ui/picture-url.ts";
 
@@ -24,6 +34,8 @@ export interface ReportData {
   today: ReportedSky;
   /** With the lights of the plan or scenario that the page shows. */
   after: ReportedSky | null;
+  /** What the eye is adapted to that sees both; null: there is one sky, or no eye. */
+  eye: { adaptationCdM2: number; isKept: boolean } | null;
   /** Of today's light overhead, by town. */
   shares: Shares;
   /** The same by the areas of a file. */
@@ -46,15 +58,14 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
   // All around, whatever the page looks at. Colours of a scale need their legend; those of light say what they are.
   const look = { ...state, projection: "equirectangular" } as const;
   const legend = isOfLight(state.colours) ? "off" : "on";
-  const sky = async (parameters: SkyParameters): Promise<ReportedSky> => ({
-    answer: await api.sky(scene.id, parameters, signal),
-    pictureUrl: (heightPx) => pictureUrl(scene.id, parameters, look, { width: PICTURE_WIDTH_PX, height_px: heightPx, legend }),
-  });
   const { scenario: _, ...query } = sharesQuery({ ...state, region: null }, place);
   const { areas, scenario } = state;
-  const [before, after, shares, areaShares] = await Promise.all([
-    sky(today),
-    scenario === null ? null : sky({ ...today, scenario }),
+  const changed = scenario === null ? null : { ...today, scenario };
+  const isBeforeAfter = changed !== null && state.colours === "eye";
+  const [before, after, panorama, shares, areaShares] = await Promise.all([
+    api.sky(scene.id, today, signal),
+    changed === null ? null : api.sky(scene.id, changed, signal),
+    isBeforeAfter ? api.panorama(scene.id, withCloudPattern(today), signal) : null,
     api.shares(scene.id, { ...query, limit: LISTED_TOWNS }, signal),
     areas === null
       ? null
@@ -65,11 +76,25 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
           signal,
         ),
   ]);
+  const eye =
+    panorama === null
+      ? null
+      : {
+          adaptationCdM2: +adaptationOf(new SkyGrid(panorama), state, landCdM2Of({ ...state, answer: before })).toPrecision(3),
+          isKept: state.adaptationCdM2 !== null,
+        };
+  const adapted = eye === null ? {} : { adaptation: eye.adaptationCdM2 };
+  const reported = (answer: SkyAnswer, parameters: SkyParameters): ReportedSky => ({
+    answer,
+    pictureUrl: (heightPx) =>
+      pictureUrl(scene.id, parameters, look, { width: PICTURE_WIDTH_PX, height_px: heightPx, legend, ...adapted }),
+  });
   return {
     place,
     scene,
-    today: before,
-    after,
+    today: reported(before, today),
+    after: after === null || changed === null ? null : reported(after, changed),
+    eye,
     shares,
     areas: areas === null || areaShares === null ? null : { fileName: areas.fileName, shares: areaShares },
   };

@@ -41,7 +41,7 @@ const EVERYTHING: ViewState = {
     { latitude_deg: -1.5, longitude_deg: 36 },
   ],
   isReport: true,
-  layers: { elevation: 0.65, brightness: 0.5, radiance: 0.4, influence: 0.9 },
+  layers: { elevation: 0.65, brightness: 0, radiance: 0, influence: 0.9 },
 };
 
 /** A fragment restores everything that it was made from. */
@@ -74,6 +74,22 @@ test("invalid values take their default", () => {
     "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&cover=most&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20&land=sea&time=2026-13-01T00:00Z",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
+});
+
+/** One colour scale lies on the map at a time, whatever a link names; terrain has none. */
+test("a link has one coloured layer", () => {
+  const layers = (link: string) => stateFromFragment(link).layers;
+  assert.deepEqual(layers("#radiance=0.5&brightness=0.8&elevation=0.6"), {
+    elevation: 0.6,
+    brightness: 0,
+    radiance: 0.5,
+    influence: 0,
+  });
+  assert.deepEqual(layers("#influence=0.9&brightness=0.8"), { elevation: 0, brightness: 0, radiance: 0, influence: 0.9 });
+  // What a link names is meant, and not what is on where it names nothing.
+  assert.deepEqual(layers("#brightness=0.8"), { elevation: 0, brightness: 0.8, radiance: 0, influence: 0 });
+  assert.deepEqual(layers("#radiance=0"), { ...DEFAULT_STATE.layers, radiance: 0 });
+  assert.deepEqual(layers("#influence=0"), DEFAULT_STATE.layers);
 });
 
 test("a lamp of own fluxes survives", () => {

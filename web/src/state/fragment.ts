@@ -9,7 +9,9 @@ import {
   EMISSION_KEEPS,
   LANDS,
   LAYERS,
+  type LayerName,
   LIGHTS,
+  layersFrom,
   MAX_PINS,
   MEASURES,
   type Place,
@@ -82,8 +84,11 @@ export function stateFromFragment(fragment: string): ViewState {
   };
   const region = regionFromText(query.get("region"));
   const measure = oneOf(query.get("measure"), MEASURES, DEFAULT_STATE.measure);
-  const layers = { ...DEFAULT_STATE.layers };
-  for (const name of LAYERS) layers[name] = numberIn(query.get(name), 0, 1) ?? layers[name];
+  const named: Partial<Record<LayerName, number>> = {};
+  for (const name of LAYERS) {
+    const opacity = numberIn(query.get(name), 0, 1);
+    if (opacity !== null) named[name] = opacity;
+  }
   return {
     scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
     place: latitudeDeg !== null && longitudeDeg !== null ? { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg } : null,
@@ -118,7 +123,7 @@ export function stateFromFragment(fragment: string): ViewState {
     region,
     pins: pinsFromText(query.get("pins")),
     isReport: query.get("report") === "on",
-    layers,
+    layers: layersFrom(named),
   };
 }
 

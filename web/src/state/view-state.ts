@@ -21,7 +21,7 @@ export const DEFAULT_TURBIDITY = 2.5;
 /** From the lowest to the highest on the map. */
 export const LAYERS = ["elevation", "brightness", "radiance", "influence"] as const;
 export type LayerName = (typeof LAYERS)[number];
-/** Layers in the colours of a scale: over each other they say nothing. */
+/** Layers in the colours of a scale, from the lowest to the highest: over each other they say nothing. */
 const COLOURED: readonly LayerName[] = ["brightness", "radiance", "influence"];
 
 /** What of the sky lights have their part in, as far as the viewer shows it. */
@@ -151,4 +151,11 @@ export function withLayer(layers: ViewState["layers"], name: LayerName, opacity:
   const isAlone = opacity > 0 && COLOURED.includes(name);
   const others = isAlone ? Object.fromEntries(COLOURED.map((other) => [other, 0])) : {};
   return { ...layers, ...others, [name]: opacity };
+}
+
+/** The same as a link has them. Of several with a colour scale that it names the highest is on, and of none the default. */
+export function layersFrom(named: Readonly<Partial<Record<LayerName, number>>>): ViewState["layers"] {
+  const layers = { ...DEFAULT_STATE.layers, ...named };
+  const on = COLOURED.filter((name) => (named[name] ?? 0) > 0).at(-1);
+  return on === undefined ? layers : withLayer(layers, on, layers[on]);
 }

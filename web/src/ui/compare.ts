@@ -43,6 +43,8 @@ export class Compare {
   private readonly answers = new Map<string, SkyAnswer | null>();
   /** Clean directions of their low skies; null where terrain hides all of it, or nobody knows. */
   private readonly clean = new Map<string, readonly (readonly number[])[] | null>();
+  /** By place; each stays until a picture of another look is known, so that none is asked for twice. */
+  private readonly pictures = new Map<string, HTMLImageElement>();
 
   /** `goTo` shows the sky of a place. */
   constructor(
@@ -131,21 +133,38 @@ export class Compare {
     });
     const head = make("div", "compare-head", go, drop);
     if (request === null) return make("li", "", head, make("p", "", words().top.notCovered));
-    const image = document.createElement("img");
+    return make("li", "", head, this.picture(state, pin, request, name), ...this.below(state, pin, answer));
+  }
+
+  /** Numbers and the low sky. */
+  private below(state: Readonly<AppState>, pin: Place, answer: SkyAnswer | null): HTMLElement[] {
+    const clean = this.clean.get(JSON.stringify(lowSkyRequestOf(state, pin))) ?? null;
+    return [numbersOf(answer), ...(clean === null ? [] : [lowSky(clean)])];
+  }
+
+  /** The picture of a pinned place; without a source until it is known what the eye is adapted to. */
+  private picture(
+    state: Readonly<AppState>,
+    pin: Place,
+    request: NonNullable<ReturnType<typeof requestOf>>,
+    name: string,
+  ): HTMLImageElement {
+    const key = JSON.stringify(coordinatesOf(pin));
+    const image = this.pictures.get(key) ?? document.createElement("img");
+    this.pictures.set(key, image);
+    image.alt = placeWords().compare.skyOver(name);
+    image.width = PICTURE_WIDTH_PX;
+    image.height = PICTURE_WIDTH_PX / 2;
+    const { panorama } = state;
+    if (panorama === null || state.isBusy) return image;
     // All in one projection: skies are compared by their directions.
     const look: AppState = { ...state, projection: "equirectangular" };
     // And by one eye: it is adapted to the sky that is shown, unless it is kept as it was.
-    const { panorama } = state;
-    const eye =
-      state.colours !== "eye" || panorama === null
-        ? {}
-        : { adaptation: +adaptationOf(panorama, state, landCdM2Of(state)).toPrecision(3) };
-    image.src = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off", ...eye });
-    image.alt = say.skyOver(name);
-    image.width = PICTURE_WIDTH_PX;
-    image.height = PICTURE_WIDTH_PX / 2;
-    const clean = this.clean.get(JSON.stringify(lowSkyRequestOf(state, pin))) ?? null;
-    return make("li", "", head, image, numbersOf(answer), ...(clean === null ? [] : [lowSky(clean)]));
+    const eye = state.colours === "eye" ? { adaptation: +adaptationOf(panorama, state, landCdM2Of(state)).toPrecision(3) } : {};
+    const url = pictureUrl(request.scene, request.parameters, look, { width: PICTURE_WIDTH_PX, legend: "off", ...eye });
+    // Setting the same source again would ask for it again.
+    if (image.src !== url) image.src = url;
+    return image;
   }
 }
 

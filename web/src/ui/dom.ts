@@ -1,5 +1,7 @@
 // Small helpers for the page's own elements.
 
+import type { Said } from "../language/server-words.ts";
+
 /** The element of that id, which the page's HTML must have. */
 export function byId<T extends HTMLElement>(id: string, type: new () => T): T {
   const element = document.getElementById(id);
@@ -19,6 +21,12 @@ export function make(tag: string, className: string, ...content: (string | Node)
 export function inEnglish<E extends HTMLElement>(element: E): E {
   element.lang = "en";
   return element;
+}
+
+/** A new element that says what the server says. */
+export function told(tag: string, className: string, { text, isEnglish }: Said): HTMLElement {
+  const element = make(tag, className, text);
+  return isEnglish ? inEnglish(element) : element;
 }
 
 /** Hands a file to whoever looks at the page. */

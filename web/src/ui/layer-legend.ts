@@ -1,13 +1,13 @@
 // The legend of a layer of the map: its colours, its progress or its error.
 
-import { describeProblem } from "../api/problem.ts";
+import { problemLine } from "../api/problem.ts";
 import type { TileJson } from "../api/types.ts";
 import { typeset } from "../api/units.ts";
 import { words } from "../language/words.ts";
 import type { LayerState } from "../map/raster-layers.ts";
 import { tileGradient } from "../sky/colour-maps.ts";
 import type { LayerName, ResponseName } from "../state/view-state.ts";
-import { byId, make } from "./dom.ts";
+import { byId, make, told } from "./dom.ts";
 import { decimal, quantity, whole } from "./format.ts";
 
 /** The server's hypsometric tints, from the sea to 6 000 m. */
@@ -65,10 +65,7 @@ export function showLayerState(name: LayerName, state: LayerState, response: Res
       note.replaceChildren(loadingText(name, state.part));
       break;
     case "failed":
-      {
-        const { headline, sentences } = describeProblem(state.reason);
-        note.replaceChildren([headline, ...sentences].join(". "));
-      }
+      note.replaceChildren(told("span", "", problemLine(state.reason)));
       break;
     case "shown": {
       const bar = make("div", "layer-bar");

@@ -3,7 +3,7 @@
 import { describeProblem } from "../api/problem.ts";
 import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { byId, make } from "./dom.ts";
+import { byId, make, told } from "./dom.ts";
 
 export function mountNotice(store: AppStore): void {
   const container = byId("notice", HTMLElement);
@@ -18,7 +18,7 @@ export function mountNotice(store: AppStore): void {
     close.type = "button";
     close.setAttribute("aria-label", words().problems.close);
     close.addEventListener("click", () => store.set({ problem: null }));
-    const text = [make("strong", "", headline), ...sentences.map((sentence) => make("p", "", sentence))];
+    const text = [told("strong", "", headline), ...sentences.map((sentence) => told("p", "", sentence))];
     container.replaceChildren(make("div", "notice-text", ...text), close);
   });
 }

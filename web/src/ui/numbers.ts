@@ -1,7 +1,8 @@
 // The card of numbers for the picked place.
 
 import type { Scene, Site, SkyAnswer } from "../api/types.ts";
-import { placeWords, words } from "../language/words.ts";
+import { asSentence, sentenceIn } from "../language/server-words.ts";
+import { placeWords, serverWords, words } from "../language/words.ts";
 import { compassName } from "../sky/projection.ts";
 import { eyeBefore } from "../sky/seen.ts";
 import type { BrightnessUnit } from "../sky/units.ts";
@@ -9,7 +10,7 @@ import { sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { ViewState } from "../state/view-state.ts";
 import { assumedClouds, coverOf } from "./clouds.ts";
-import { byId, inEnglish, make } from "./dom.ts";
+import { byId, make, told } from "./dom.ts";
 import { decimal, fixed, inUnit, magnitude, ratio, shortNumber, withPrefix } from "./format.ts";
 import { lampTitle } from "./lamps.ts";
 import { nightFold } from "./night-fold.ts";
@@ -60,9 +61,9 @@ export function terrainTitle(answer: Pick<SkyAnswer, "terrain_occlusion" | "hidd
   return answer.hidden_lights ? hidesSkyAndLights : hidesSky;
 }
 
-/** What the server had to do without, in its own words. */
-function warning(text: string): HTMLElement {
-  const shown = inEnglish(make("p", "warning", `${text.charAt(0).toUpperCase()}${text.slice(1)}.`));
+/** What the server had to do without. */
+export function warning(text: string, className = "warning"): HTMLElement {
+  const shown = told("p", className, asSentence(sentenceIn(text, serverWords())));
   shown.dataset.value = "warning";
   return shown;
 }
@@ -187,7 +188,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
   const notes = [say.lampsAssumed(lampTitle(lamp))];
   if (answer.calibration !== 1) notes.push(say.calibration(shortNumber(answer.calibration)));
   if (scene.illustrative) notes.push(words().scene.illustrativeNote);
-  const note = make("div", "notes", ...answer.warnings.map(warning), ...notes.map((text) => make("p", "", text)));
+  const note = make("div", "notes", ...answer.warnings.map((text) => warning(text)), ...notes.map((text) => make("p", "", text)));
   const night = answer.night_sky == null ? [] : [nightFold(answer.night_sky)];
   container.replaceChildren(make("div", "headline-numbers", zenith, bortle), list, ...night, note);
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ApiError, describeProblem } from "../api/problem.ts";
+import { ApiError, describeProblem, problemLine } from "../api/problem.ts";
 import { typeset } from "../api/units.ts";
 import { loadWords, words } from "../language/words.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
@@ -103,17 +103,21 @@ test("clouds are those that packs are resident for", () => {
   assert.equal(cloudsTitle(800, 0.45), "over 45 % of the sky, from 800 m up");
 });
 
-/** A problem document becomes a headline and one sentence for each bad parameter. */
+/** A problem document becomes a headline and one sentence for each bad parameter, which say what the detail says. */
 test("a problem becomes a headline and sentences", () => {
   const error = new ApiError(422, {
-    title: "A parameter is out of range",
-    detail: "One parameter is not accepted.",
+    type: "/problems/out-of-range",
+    title: "Outside the range that is resident",
+    detail: "turbidity=100: is out of range; allowed: 1.5 to 6",
     errors: [{ parameter: "turbidity", value: "100", allowed: "1.5 to 6", message: "is out of range", code: "out_of_range" }],
   });
   assert.deepEqual(describeProblem(error), {
-    headline: "A parameter is out of range",
-    sentences: ["One parameter is not accepted.", "turbidity = 100: is out of range. Allowed: 1.5 to 6."],
+    headline: { text: "Outside the range that is resident", isEnglish: true },
+    sentences: [{ text: "turbidity = 100: is out of range. Allowed: 1.5 to 6.", isEnglish: true }],
   });
+  const busy = new ApiError(503, { type: "/problems/busy", title: "The server is busy", detail: "try again in 3 s" });
+  assert.deepEqual(problemLine(busy), { text: "The server is busy. Try again in 3 s.", isEnglish: true });
+  assert.deepEqual(problemLine(new Error("no WebGL")).isEnglish, false);
 });
 
 test("what terrain hides is said in words", () => {

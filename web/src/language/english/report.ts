@@ -16,6 +16,9 @@ export const report = {
     picture: "The sky all around, from north over east, south and west to north; the zenith is the upper edge.",
     pictureOf: (place: string) => `The sky over ${place}`,
     today: "Today",
+    /** Captions of a picture before or after: what it shows, and which eye sees it. */
+    toTodaysEye: (title: string) => `${title}, to an eye adapted to the sky of today`,
+    toKeptEye: (title: string, luminance: string) => `${title}, to an eye kept adapted to ${luminance}`,
     numbers: "The sky in numbers",
     meaning: "What it means",
     /** `mag`: of the natural sky. */

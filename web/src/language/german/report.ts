@@ -14,6 +14,8 @@ export const report: ReportWords = {
     picture: "Der Himmel ringsum, von Norden über Osten, Süden und Westen bis Norden; die obere Kante ist der Zenit.",
     pictureOf: (place) => `Der Himmel über ${place}`,
     today: "Heute",
+    toTodaysEye: (title) => `${title}, für ein Auge, das an den heutigen Himmel gewöhnt ist`,
+    toKeptEye: (title, luminance) => `${title}, für ein Auge, das an ${luminance} gewöhnt bleibt`,
     numbers: "Der Himmel in Zahlen",
     meaning: "Was es bedeutet",
     zenith: (mag) => `Kleiner heißt heller. Der natürliche Himmel allein hat ${mag}.`,
