@@ -138,7 +138,6 @@ pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(
     let light = read_light(&mut reader);
     reader.finish()?;
     let sky = sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))?;
-    let light = light_under(&sky, light);
     Ok((sky, light))
 }
 
@@ -156,16 +155,10 @@ pub fn panorama(
     only_what_means_something(&mut reader, format);
     let sky = read_sky(&mut reader, scene, facts);
     let response = sky.as_ref().map(|sky| sky.response.clone()).unwrap_or_default();
-    let mut view = read_view(&mut reader, &response);
+    let view = read_view(&mut reader, &response);
     reader.finish()?;
     let sky = sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))?;
-    view.options.sky = light_under(&sky, view.options.sky);
     Ok((sky, view))
-}
-
-/// The light that there is of the light asked for: nothing natural comes through a closed layer of cloud.
-fn light_under(request: &SkyRequest, light: Sky) -> Sky {
-    if request.is_overcast() { Sky::Artificial } else { light }
 }
 
 fn only_what_means_something(reader: &mut Reader, format: Format) {

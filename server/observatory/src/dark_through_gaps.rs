@@ -6,9 +6,12 @@ use skyglow_physics::{
     natural_sky::meter_weight,
     panorama::{elevation_rad, solid_angle_sr},
 };
-use std::{f64::consts::FRAC_PI_2, sync::Arc};
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::Arc,
+};
 
-/// The dark reference as it comes through gaps.
+/// The dark reference as it comes through gaps, and through clouds.
 pub(crate) struct DarkThroughGaps {
     parts: Vec<SkyPart>,
     seen: SeenSky,
@@ -24,11 +27,19 @@ impl DarkThroughGaps {
             for (plane, value) in planes.zip(light.kernel) {
                 plane.fill(value as f32);
             }
+            gaps.put_before(&mut kernel, [0.0; BAND_COUNT]);
             horizon.darken(&mut kernel);
-            gaps.dim(&mut kernel);
             SkyPart { light: Arc::clone(&light.light), kernel }
         };
-        let parts: Vec<SkyPart> = dark.background.iter().map(part).collect();
+        // Stars themselves are points between the clouds; what clouds let through of their light is a part of the sky.
+        let behind = |light: &NodeLight| {
+            let mut kernel = Panorama::dark();
+            gaps.put_before(&mut kernel, light.kernel.map(|value| PI * value));
+            horizon.darken(&mut kernel);
+            SkyPart { light: Arc::clone(&light.light), kernel }
+        };
+        let parts: Vec<SkyPart> =
+            dark.background.iter().map(part).chain(dark.stars.iter().map(behind)).collect();
         let share = share_in_meter(gaps, horizon);
         let star = |light: &NodeLight| {
             let mut kernel = [0.0; BAND_COUNT];
@@ -38,6 +49,11 @@ impl DarkThroughGaps {
         let stars = dark.stars.iter().map(star).collect();
         let seen = SeenSky::of(&parts, responses);
         Self { parts, seen, stars }
+    }
+
+    /// What the responses see of it.
+    pub(crate) fn seen(&self) -> &SeenSky {
+        &self.seen
     }
 
     pub(crate) fn as_natural_sky(&self) -> NaturalSky<'_> {

@@ -191,7 +191,8 @@ impl Observatory {
         for part in &of_sky {
             basis_count = basis_count.max(solver.basis_count(part)?);
         }
-        let (light_count, gaps) = (surroundings.lights.len(), surroundings.gaps(sky));
+        let (light_count, gaps) =
+            (surroundings.lights.len(), surroundings.gaps(sky, self.cloud_albedo(sky.kind())));
         let (mut parts, mut done) = (Vec::with_capacity(light_count), 0.0);
         let (mut before_scaling, mut after_scaling) = (0.0, 0.0);
         for (number, (lights, (fixture, _))) in shares.iter().zip(&surroundings.lights).enumerate() {

@@ -9,6 +9,7 @@ use crate::{
     sky::{RenderedSky, SkyRequest},
     surroundings::Surroundings,
 };
+use skyglow_physics::CloudBase;
 use skyglow_render::{RenderError, celestial::CelestialTables, engine::Engine, pack_kind::PackKind};
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, UploadFolder,
@@ -153,11 +154,11 @@ impl Observatory {
         let hides_lights = self.hides_lights_of(&request);
         let basis = self.engine.basis_chooser();
         let wanted = Arc::clone(&request);
-        let celestial = self.celestial.clone();
+        let (celestial, cloud_albedo) = (self.celestial.clone(), self.cloud_albedo(request.kind()));
         let prepare = move || {
             let surroundings = Surroundings::of(&view, &wanted, hides_lights)?;
             let to_render = surroundings.render_requests(&wanted, &basis)?;
-            let natural = surroundings.natural(&wanted, celestial.as_deref())?;
+            let natural = surroundings.natural(&wanted, cloud_albedo, celestial.as_deref())?;
             Ok::<_, ObservatoryError>((surroundings, natural, to_render))
         };
         let (surroundings, natural, (to_render, bound)) =
@@ -182,7 +183,8 @@ impl Observatory {
         request: &SkyRequest,
     ) -> Result<RenderedSky, ObservatoryError> {
         let (to_render, bound) = surroundings.render_requests(request, &self.engine.basis_chooser())?;
-        let natural = surroundings.natural(request, self.celestial_tables())?;
+        let natural =
+            surroundings.natural(request, self.cloud_albedo(request.kind()), self.celestial_tables())?;
         let rendered = self.engine.render_each_blocking(&to_render)?;
         Ok(surroundings.finish(request, rendered, bound, natural, self.celestial_tables()))
     }
@@ -191,6 +193,12 @@ impl Observatory {
     pub(crate) fn hides_lights(&self, kind: PackKind) -> bool {
         let kinds = &self.engine.info().kinds;
         kinds.iter().any(|resident| resident.kind == kind && resident.hides_lights)
+    }
+
+    /// Albedo from below of the clouds of a kind.
+    pub(crate) fn cloud_albedo(&self, kind: PackKind) -> f64 {
+        let of_kind = self.engine.info().kinds.iter().find(|resident| resident.kind == kind);
+        of_kind.and_then(|kind| kind.cloud_albedo).unwrap_or(CloudBase::DEFAULT_ALBEDO)
     }
 
     /// The same for a sky; between broken clouds it is that of a clear one, and packs that know no skylines do without.

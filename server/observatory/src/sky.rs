@@ -75,11 +75,6 @@ impl SkyRequest {
     pub(crate) fn kind(&self) -> PackKind {
         PackKind { cloud_base_m: self.cloud_base_m, scattering: self.scattering }
     }
-
-    /// Whether nothing natural comes through the clouds.
-    pub fn is_overcast(&self) -> bool {
-        self.cloud_base_m.is_some() && self.broken_clouds.is_none()
-    }
 }
 
 /// What the numbers of a sky or of a map of influences depend on beside the request.
@@ -123,7 +118,7 @@ pub struct RenderedSky {
     pub horizon: Horizon,
     /// The natural sky of the instant that was asked for, as it comes through gaps.
     pub night: Option<NightSky>,
-    /// Between them broken clouds hide the natural sky.
+    /// Between them clouds hide the natural sky; None under a clear one.
     pub gaps: Option<Gaps>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
@@ -158,7 +153,6 @@ impl RenderedSky {
             slope: context.slope,
         };
         let quantities = match (&night, &gaps) {
-            _ if request.is_overcast() => SkyQuantities::with(NaturalSky::Hidden, numbers),
             (Some(night), gaps) => quantities_at(night, gaps.as_ref(), numbers),
             (None, Some(gaps)) => {
                 let dark = DarkThroughGaps::new(&context.dark, gaps, &horizon, seen.responses());
@@ -201,7 +195,7 @@ impl RenderedSky {
     }
 
     /// Artificial light and the natural sky by the responses of [`Self::seen`]: that of the instant that was asked for or else the dark
-    /// reference, above the horizon and between clouds. Not for overcast skies.
+    /// reference, above the horizon, as it comes between clouds and through them.
     pub fn seen_in_total(&self) -> SeenSky {
         let mut seen = self.seen.clone();
         match &self.night {
@@ -222,15 +216,18 @@ impl RenderedSky {
         seen
     }
 
-    /// Adds the dark reference above the horizon, between clouds.
+    /// Adds the dark reference above the horizon, as it comes between clouds and through them.
     fn add_dark(&self, seen: &mut SeenSky) {
+        if let Some(gaps) = &self.gaps {
+            let dark = DarkThroughGaps::new(&self.context.dark, gaps, &self.horizon, seen.responses());
+            return seen.add(dark.seen());
+        }
         for place in 0..seen.responses().len() {
             let added = self.context.dark.value(&seen.responses()[place]) as f32;
             for (row, values) in seen.plane_mut(place).chunks_exact_mut(AZIMUTH_COUNT).enumerate() {
                 for (column, value) in values.iter_mut().enumerate() {
                     if !self.horizon.hides_sample(row, column) {
-                        let gap = self.gaps.as_ref().map_or(1.0, |gaps| gaps.share(row, column));
-                        *value += gap as f32 * added;
+                        *value += added;
                     }
                 }
             }

@@ -7,7 +7,8 @@ use crate::{
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, Fixture, Gaps, Horizon, Lamp, LampPreset, PhysicsError, SkyPart, Slope,
+    Atmosphere, BAND_COUNT, BrokenClouds, Fixture, Gaps, Horizon, Lamp, LampPreset, PhysicsError, SkyPart,
+    Slope,
 };
 use skyglow_render::{
     PassTime,
@@ -28,7 +29,7 @@ pub(crate) type FixtureLight = (Fixture, Arc<PolarGrid>);
 pub(crate) struct Natural {
     /// That of an instant, and how long it took.
     night: Option<(NightSky, Duration)>,
-    /// Between broken clouds.
+    /// Between clouds.
     gaps: Option<Gaps>,
 }
 
@@ -153,20 +154,22 @@ impl Surroundings {
     pub(crate) fn natural(
         &self,
         request: &SkyRequest,
+        cloud_albedo: f64,
         tables: Option<&CelestialTables>,
     ) -> Result<Natural, ObservatoryError> {
-        let gaps = self.gaps(request);
+        let gaps = self.gaps(request, cloud_albedo);
         let night = self.night_sky(request, gaps.as_ref(), tables)?;
         Ok(Natural { night, gaps })
     }
 
-    /// The gaps between broken clouds over the eye.
-    pub(crate) fn gaps(&self, request: &SkyRequest) -> Option<Gaps> {
+    /// The gaps between clouds over the eye, none in a closed layer; None under a clear sky.
+    pub(crate) fn gaps(&self, request: &SkyRequest, cloud_albedo: f64) -> Option<Gaps> {
         let base_m = f64::from(request.cloud_base_m?);
-        Some(request.broken_clouds?.gaps(base_m - self.altitude_m))
+        let clouds = request.broken_clouds.unwrap_or(BrokenClouds::CLOSED);
+        Some(clouds.gaps(base_m - self.altitude_m, 1.0 - cloud_albedo))
     }
 
-    /// The natural sky of the instant that is asked for; None where none is, and under a closed layer of cloud.
+    /// The natural sky of the instant that is asked for; None where none is.
     ///
     /// # Errors
     /// [`ObservatoryError::NoCelestialTables`].
@@ -176,7 +179,7 @@ impl Surroundings {
         gaps: Option<&Gaps>,
         tables: Option<&CelestialTables>,
     ) -> Result<Option<(NightSky, Duration)>, ObservatoryError> {
-        let Some(time) = request.time.filter(|_| !request.is_overcast()) else { return Ok(None) };
+        let Some(time) = request.time else { return Ok(None) };
         let start = Instant::now();
         let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
         let open = Horizon::flat();
@@ -212,7 +215,7 @@ impl Surroundings {
         };
         let before = [timed("horizon", time), timed("night sky", night_time)].into_iter().flatten();
         let passes = before.chain(times_together(&rendered)).collect();
-        if let Some(gaps) = &gaps {
+        if let Some(gaps) = gaps.as_ref().filter(|_| request.broken_clouds.is_some()) {
             let overcast = rendered.split_off(lights.len());
             for (clear, overcast) in rendered.iter_mut().zip(&overcast) {
                 gaps.cover(&mut clear.panorama, &overcast.panorama);

@@ -12,13 +12,13 @@ use crate::{
     bands::BAND_COUNT,
     error::{PhysicsError, check_range},
     geometry::EARTH_RADIUS_M,
-    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, elevation_rad},
+    panorama::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Panorama, elevation_rad, solid_angle_sr},
     quadrature::R2,
     value_noise::octaves,
 };
 use rayon::prelude::*;
 use serde::Serialize;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Size of the largest clouds and gaps of a pattern, metres.
 const CLOUD_SIZE_M: f64 = 2_000.0;
@@ -62,15 +62,25 @@ impl BrokenClouds {
         self.pattern
     }
 
+    /// A closed layer.
+    pub const CLOSED: BrokenClouds = BrokenClouds { cover: 1.0, pattern: None };
+
     /// The gaps that an eye sees in a layer whose base is `above_eye_m` above it.
-    pub fn gaps(self, above_eye_m: f64) -> Gaps {
-        let cover = self.cover as f32;
+    ///
+    /// * `transmittance`: share of the light from above that comes through a cloud, the same in every direction. A layer that takes
+    ///   nothing has 1 less its albedo.
+    pub fn gaps(self, above_eye_m: f64, transmittance: f64) -> Gaps {
+        let (cover, transmittance) = (self.cover as f32, transmittance as f32);
         let Some(pattern) = self.pattern.filter(|_| 0.0 < self.cover && self.cover < 1.0) else {
-            return Gaps { cover, shares: vec![1.0 - cover; ELEVATION_COUNT * AZIMUTH_COUNT] };
+            return Gaps { cover, transmittance, shares: vec![1.0 - cover; ELEVATION_COUNT * AZIMUTH_COUNT] };
         };
         let layer = Layer::new(self.cover, u64::from(pattern), above_eye_m.max(1.0));
         let share = |at: usize| layer.gap_share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT) as f32;
-        Gaps { cover, shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(share).collect() }
+        Gaps {
+            cover,
+            transmittance,
+            shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(share).collect(),
+        }
     }
 }
 
@@ -163,6 +173,8 @@ pub struct CoverSlopes {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaps {
     cover: f32,
+    /// Share of the light from above that comes through a cloud.
+    transmittance: f32,
     /// Share of each sample of the panorama that no cloud covers, 0..=1, `[row][column]`.
     shares: Vec<f32>,
 }
@@ -179,10 +191,21 @@ impl Gaps {
         self.share(row, column)
     }
 
-    /// Takes from a natural sky what clouds cover.
-    pub fn dim(&self, sky: &mut Panorama) {
-        for plane in sky.samples_mut().chunks_exact_mut(self.shares.len()) {
-            plane.iter_mut().zip(&self.shares).for_each(|(sample, share)| *sample *= share);
+    /// Puts clouds before a natural sky over an open horizon: they send down what they let through of the illuminance from above,
+    /// alike in every direction.
+    ///
+    /// * `beams`: what comes straight from points of light to level ground, at every node.
+    pub fn put_before(&self, sky: &mut Panorama, beams: [f64; BAND_COUNT]) {
+        let onto_level: Vec<f64> =
+            (0..ELEVATION_COUNT).map(|row| elevation_rad(row).sin() * solid_angle_sr(row)).collect();
+        for (plane, beam) in sky.samples_mut().chunks_exact_mut(self.shares.len()).zip(beams) {
+            let rows = plane.chunks_exact(AZIMUTH_COUNT).zip(&onto_level);
+            let scattered: f64 =
+                rows.map(|(row, weight)| weight * row.iter().copied().map(f64::from).sum::<f64>()).sum();
+            let cloud = self.transmittance * ((scattered + beam) / PI) as f32;
+            plane.iter_mut().zip(&self.shares).for_each(|(sample, share)| {
+                *sample = share * *sample + (1.0 - share) * cloud;
+            });
         }
     }
 

@@ -21,9 +21,9 @@ proptest! {
     #[test]
     fn patterns_are_shares(cover in 0.0..1.0f64, pattern in 0u32..1000, above_m in 100.0..5_000.0f64) {
         let clouds = BrokenClouds::new(cover, Some(pattern)).unwrap();
-        let gaps = clouds.gaps(above_m);
+        let gaps = clouds.gaps(above_m, 0.5);
         prop_assert!(gaps.shares.iter().all(|share| (0.0..=1.0).contains(share)));
-        prop_assert_eq!(&gaps, &clouds.gaps(above_m));
+        prop_assert_eq!(&gaps, &clouds.gaps(above_m, 0.5));
     }
 }
 
@@ -41,7 +41,7 @@ fn patterns_have_their_cover_in_the_mean() {
         let mut mean = 0.0;
         let patterns = 60;
         for pattern in 0..patterns {
-            let gaps = BrokenClouds::new(cover, Some(pattern)).unwrap().gaps(1_500.0);
+            let gaps = BrokenClouds::new(cover, Some(pattern)).unwrap().gaps(1_500.0, 0.5);
             let share =
                 gaps.shares.iter().map(|share| f64::from(*share)).sum::<f64>() / gaps.shares.len() as f64;
             mean += (1.0 - share) / f64::from(patterns);
@@ -51,7 +51,7 @@ fn patterns_have_their_cover_in_the_mean() {
         }
         assert!((mean - cover).abs() < 0.04, "{cover}: {mean}");
     }
-    let pattern = |number| BrokenClouds::new(0.5, Some(number)).unwrap().gaps(1_500.0);
+    let pattern = |number| BrokenClouds::new(0.5, Some(number)).unwrap().gaps(1_500.0, 0.5);
     assert_ne!(pattern(1), pattern(2));
 }
 
@@ -62,12 +62,12 @@ fn cover_goes_from_clear_to_overcast() {
     for (cover, pattern, expected) in
         [(0.0, None, 2.0), (0.0, Some(3), 2.0), (1.0, None, 8.0), (1.0, Some(3), 8.0)]
     {
-        let gaps = BrokenClouds::new(cover, pattern).unwrap().gaps(1_000.0);
+        let gaps = BrokenClouds::new(cover, pattern).unwrap().gaps(1_000.0, 0.5);
         let mut sky = sky_of(2.0);
         gaps.cover(&mut sky, &overcast);
         assert!(sky.samples().iter().all(|sample| *sample == expected), "{cover} {pattern:?}");
     }
-    let gaps = BrokenClouds::new(0.5, Some(3)).unwrap().gaps(1_000.0);
+    let gaps = BrokenClouds::new(0.5, Some(3)).unwrap().gaps(1_000.0, 0.5);
     let mut sky = sky_of(2.0);
     gaps.cover(&mut sky, &overcast);
     for row in [10, 40, 63] {
@@ -78,15 +78,20 @@ fn cover_goes_from_clear_to_overcast() {
             assert!(gaps.share(row, column) < 1.0 || value <= 2.0, "{value}");
         }
     }
+    // An even sky and what it sends through clouds: a quarter of 2 and three quarters of a half of that.
     let mut sky = sky_of(2.0);
-    BrokenClouds::new(0.75, None).unwrap().gaps(1_000.0).dim(&mut sky);
-    assert!(sky.samples().iter().all(|sample| *sample == 0.5));
+    BrokenClouds::new(0.75, None).unwrap().gaps(1_000.0, 0.5).put_before(&mut sky, [0.0; BAND_COUNT]);
+    assert!(sky.samples().iter().all(|sample| (sample / 1.25 - 1.0).abs() < 1e-3));
+    // A beam of π on level ground lights a closed layer from above: 0.3 comes through.
+    let mut sky = sky_of(0.0);
+    BrokenClouds::CLOSED.gaps(1_000.0, 0.3).put_before(&mut sky, [PI; BAND_COUNT]);
+    assert!(sky.samples().iter().all(|sample| (sample / 0.3 - 1.0).abs() < 1e-6));
 }
 
 /// A direction has the share of the sample that it lies in.
 #[test]
 fn directions_have_the_share_of_their_sample() {
-    let gaps = BrokenClouds::new(0.5, Some(7)).unwrap().gaps(1_000.0);
+    let gaps = BrokenClouds::new(0.5, Some(7)).unwrap().gaps(1_000.0, 0.5);
     for (row, column) in [(0, 0), (20, 255), (63, 128)] {
         let direction = Direction {
             azimuth_rad: crate::panorama::azimuth_rad(column),
@@ -149,7 +154,7 @@ proptest! {
     fn slopes_of_covers_add_up(
         clear in 1e-9..1e-6f32, ratio in 0.01..30.0f32, cover in 0.05..0.95f64, pattern in prop::option::of(1u32..9),
     ) {
-        let gaps = BrokenClouds::new(cover, pattern).unwrap().gaps(1_500.0);
+        let gaps = BrokenClouds::new(cover, pattern).unwrap().gaps(1_500.0, 0.5);
         let [clear, overcast] = [clear, clear * ratio].map(sky_of);
         let slopes = gaps.slopes(&clear, &overcast);
         let covered = |clear: &Panorama, overcast: &Panorama| {

@@ -101,13 +101,11 @@ pub fn meter_mean_of_points(
 /// What shines beside artificial light.
 #[derive(Clone, Copy, Debug)]
 pub enum NaturalSky<'a> {
-    /// Nothing: a closed layer of cloud lets nothing natural through, and there are no stars.
-    Hidden,
     /// The dark reference.
     Dark,
     /// That of an instant.
     OfInstant(NaturalLight<'a>),
-    /// What comes through gaps between clouds: of stars nothing is said.
+    /// What comes through clouds and gaps between them: of stars nothing is said.
     ThroughGaps(NaturalLight<'a>),
 }
 
@@ -134,7 +132,6 @@ impl NaturalSky<'_> {
         weight: impl Fn(f64) -> f64,
     ) -> f64 {
         match self {
-            Self::Hidden => 0.0,
             Self::Dark => dark.value(response),
             Self::OfInstant(light) | Self::ThroughGaps(light) => {
                 value_of(light.parts, &mean_kernels(light.parts, horizon, weight), response)
@@ -145,7 +142,6 @@ impl NaturalSky<'_> {
     /// What a Sky Quality Meter at the zenith sees of it, stars included.
     pub(crate) fn in_meter(self, dark: &EvenSky, horizon: &Horizon) -> f64 {
         let of_points = match self {
-            Self::Hidden => return 0.0,
             Self::Dark => return dark.meter_value(&Response::Sqm),
             Self::OfInstant(light) | Self::ThroughGaps(light) => {
                 NodeLight::value(light.points, &Response::Sqm)
@@ -154,20 +150,19 @@ impl NaturalSky<'_> {
         self.mean(dark, &Response::Sqm, horizon, meter_weight) + of_points
     }
 
-    /// What surfaces receive of it, as a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees it; None where nothing comes.
+    /// What surfaces receive of it, as a response of [`SkyNumbers::seen`](crate::SkyNumbers::seen) sees it.
     pub(crate) fn surface_sums(
         self,
         dark: &EvenSky,
         response: &Response,
         horizon: &Horizon,
         slope: Slope,
-    ) -> Option<SurfaceSums> {
+    ) -> SurfaceSums {
         match self {
-            Self::Hidden => None,
-            Self::Dark => Some(SurfaceSums::of_even(dark.value(response), horizon, slope)),
+            Self::Dark => SurfaceSums::of_even(dark.value(response), horizon, slope),
             Self::OfInstant(light) | Self::ThroughGaps(light) => {
                 let plane = light.seen.seen_by(response).unwrap_or_default();
-                Some(SurfaceSums::of_plane(plane, slope).plus_beams(light.beams, response))
+                SurfaceSums::of_plane(plane, slope).plus_beams(light.beams, response)
             }
         }
     }

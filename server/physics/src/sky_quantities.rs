@@ -98,8 +98,7 @@ impl SkyNumbers<'_> {
         let plane = self.seen.seen_by(response).unwrap_or_default();
         let artificial = SurfaceSums::of_plane(plane, self.slope);
         let natural = natural.surface_sums(self.dark, response, self.horizon, self.slope);
-        let total = natural.map_or_else(|| artificial.clone(), |natural| natural.plus(&artificial));
-        SurfaceLight::new(response, &artificial, &total)
+        SurfaceLight::new(response, &artificial, &natural.plus(&artificial))
     }
 }
 
@@ -119,7 +118,7 @@ impl SkyQuantities {
     /// All quantities of a sky of artificial light whose hidden samples are 0, as [`Horizon::darken`] leaves it.
     pub fn with(natural: NaturalSky<'_>, sky: SkyNumbers<'_>) -> Self {
         let quantities = Self::without_stars(natural, sky);
-        if matches!(natural, NaturalSky::Hidden | NaturalSky::ThroughGaps(_)) {
+        if matches!(natural, NaturalSky::ThroughGaps(_)) {
             return quantities;
         }
         let over_dark = quantities.zenith_total_luminance_cd_m2 / sky.dark.luminance_cd_m2();
@@ -296,11 +295,18 @@ mod tests {
         assert_eq!((quantities.zenith_chromaticity, quantities.zenith_scotopic_photopic_ratio), (None, None));
     }
 
-    /// Under clouds totals are artificial light alone, and there are no stars.
+    /// Nothing through clouds that let nothing through.
+    fn nothing(none: &SeenSky) -> NaturalSky<'_> {
+        NaturalSky::ThroughGaps(NaturalLight { parts: &[], seen: none, points: &[], beams: &[] })
+    }
+
+    /// Under clouds that let nothing through totals are artificial light alone, and there are no stars.
     #[test]
     fn overcast_totals_are_artificial_light() {
         let (parts, open) = (uniform(1e-3), Horizon::flat());
         let dark = &even_sky(1.7e-4, 0.0);
+        let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
+        let none = SeenSky::of(&[], &responses);
         let under = |natural: NaturalSky<'_>, parts: &[SkyPart]| {
             let responses = SKY_RESPONSES.into_iter().chain([Response::Melanopic]).collect::<Vec<_>>();
             let seen = SeenSky::of(parts, &responses);
@@ -311,7 +317,7 @@ mod tests {
                 SkyNumbers { parts, seen: &seen, horizon: &open, response, dark, slope },
             )
         };
-        let (clear, cloudy) = (under(NaturalSky::Dark, &parts), under(NaturalSky::Hidden, &parts));
+        let (clear, cloudy) = (under(NaturalSky::Dark, &parts), under(nothing(&none), &parts));
         assert_eq!(cloudy.zenith_total_luminance_cd_m2, cloudy.zenith_luminance_cd_m2);
         assert_eq!(cloudy.zenith_total_brightness_mag_arcsec2, cloudy.zenith_brightness_mag_arcsec2);
         assert_eq!(cloudy.horizontal_total_illuminance_lx, cloudy.horizontal_illuminance_lx);
@@ -321,7 +327,7 @@ mod tests {
         let (seen, total) = (clear.seen.unwrap(), cloudy.seen.unwrap());
         assert_eq!((seen.response.as_str(), seen.zenith, seen.mean), ("melanopic", total.zenith, total.mean));
         assert!(seen.zenith_total > seen.zenith && total.zenith_total == total.zenith);
-        assert_eq!(under(NaturalSky::Hidden, &[]).zenith_total_brightness_mag_arcsec2, None);
+        assert_eq!(under(nothing(&none), &[]).zenith_total_brightness_mag_arcsec2, None);
     }
 
     /// The natural sky of an instant is added to totals as its parts have it, and hidden where ground hides it.
@@ -341,7 +347,8 @@ mod tests {
             beams: &[],
         });
         let found = SkyQuantities::with(sky, numbers);
-        let artificial = SkyQuantities::with(NaturalSky::Hidden, numbers);
+        let none = SeenSky::of(&[], &responses);
+        let artificial = SkyQuantities::with(nothing(&none), numbers);
         let seen = found.seen.as_ref().unwrap();
         for (total, value) in [
             (found.zenith_total_luminance_cd_m2, found.zenith_luminance_cd_m2),

@@ -193,6 +193,7 @@ mod tests {
             turbidities: turbidities.to_vec(),
             basis_count: 8,
             hides_lights: true,
+            cloud_albedo: None,
             first: 0,
         };
         let left_out = |was: Option<f64>| LeftOutPack {

@@ -301,12 +301,12 @@ fn cloud_warning(request: &SkyRequest) -> Option<String> {
     request.cloud_base_m?;
     let said = match request.broken_clouds {
         None => {
-            "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle \
-             class nor limiting magnitude"
+            "natural light comes through the clouds as far as they do not reflect it, in all directions alike; there is neither \
+             Bortle class nor limiting magnitude"
         }
         Some(_) => {
-            "natural light comes through the gaps between the clouds alone, and none shines on them from above; there is \
-             neither Bortle class nor limiting magnitude"
+            "natural light comes through the gaps between the clouds, and through the clouds as far as they do not reflect it; \
+             there is neither Bortle class nor limiting magnitude"
         }
     };
     Some(said.to_owned())

@@ -237,11 +237,35 @@ impl Maker<'_> {
         if component.is_extended() {
             self.add_direct(component, &mut kernel);
         }
-        self.over.horizon.darken(&mut kernel);
         if let Some(gaps) = self.over.gaps {
-            gaps.dim(&mut kernel);
+            gaps.put_before(&mut kernel, self.onto_level(component));
         }
+        self.over.horizon.darken(&mut kernel);
         Some(SkyPart { light: Arc::clone(component.light()), kernel })
+    }
+
+    /// What comes straight from the points of a component to level ground under a clear sky.
+    fn onto_level(&self, component: Component) -> [f64; BAND_COUNT] {
+        let mut sum = [0.0; BAND_COUNT];
+        for point in self.heavens.points(component) {
+            if let Some((direction, irradiance)) = self.straight(point) {
+                let share = direction.elevation_rad.sin();
+                sum.iter_mut().zip(irradiance).for_each(|(sum, value)| *sum += share * value);
+            }
+        }
+        sum
+    }
+
+    /// Where a point is seen and what the air lets through of it; None below the horizontal plane.
+    fn straight(&self, point: &PointLight) -> Option<(Direction, [f64; BAND_COUNT])> {
+        let elevation_rad = apparent_altitude_rad(point.direction.elevation_rad, self.over.altitude_m);
+        if elevation_rad < 0.0 {
+            return None;
+        }
+        let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
+        let through = self.tables.transmittance(self.over.turbidity, zenith_rad, self.over.altitude_m);
+        let irradiance = std::array::from_fn(|band| through[band] * point.irradiance[band]);
+        Some((Direction { elevation_rad, ..point.direction }, irradiance))
     }
 
     /// Scattered light of Sun or Moon.
@@ -318,18 +342,12 @@ impl Maker<'_> {
 
     /// A point as it comes through the air; None below the horizon.
     fn through(&self, point: &PointLight) -> Option<ThroughAir> {
-        let elevation_rad = apparent_altitude_rad(point.direction.elevation_rad, self.over.altitude_m);
-        let direction = Direction { elevation_rad, ..point.direction };
-        if elevation_rad < 0.0 || self.over.horizon.hides(direction) {
-            return None;
-        }
-        let zenith_rad = FRAC_PI_2 - point.direction.elevation_rad;
-        let through = self.tables.transmittance(self.over.turbidity, zenith_rad, self.over.altitude_m);
+        let (direction, irradiance) = self.straight(point)?;
         let gap = self.over.gaps.map_or(1.0, |gaps| gaps.towards(direction));
-        if gap == 0.0 {
+        if gap == 0.0 || self.over.horizon.hides(direction) {
             return None;
         }
-        let irradiance = std::array::from_fn(|band| gap * through[band] * point.irradiance[band]);
+        let irradiance = irradiance.map(|value| gap * value);
         Some(ThroughAir { direction, magnitude_v: point.magnitude_v, irradiance })
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
-use skyglow_physics::SKY_RESPONSES;
+use skyglow_physics::{BrokenClouds, SKY_RESPONSES, panorama::solid_angle_sr};
 use skyglow_tables::CelestialTable;
-use std::sync::LazyLock;
+use std::{f64::consts::PI, sync::LazyLock};
 
 static TABLES: LazyLock<CelestialTables> = LazyLock::new(|| {
     let table = |turbidity: f64| CelestialTable::synthetic(Turbidity::new(turbidity).unwrap());
@@ -10,12 +10,16 @@ static TABLES: LazyLock<CelestialTables> = LazyLock::new(|| {
 
 /// Over Barcelona, 100 m.
 pub(super) fn sky(utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky {
+    between(None, utc, horizon, skipping)
+}
+
+fn between(gaps: Option<&Gaps>, utc: &str, horizon: &Horizon, skipping: Skipping) -> NightSky {
     let over = Overhead {
         place: GeoPoint::from_deg(41.38, 2.17).unwrap(),
         altitude_m: 100.0,
         horizon,
         turbidity: Turbidity::new(2.5).unwrap(),
-        gaps: None,
+        gaps,
     };
     let time = SkyTime { instant: Instant::parse(utc).unwrap(), solar_flux_sfu: 100.0 };
     NightSky::with(&TABLES, &over, time, &SKY_RESPONSES, skipping).unwrap()
@@ -45,6 +49,35 @@ fn what_does_not_count_is_not_looked_for() {
     ];
     assert_eq!(of(NEW_MOON), night);
     assert_eq!(of(FULL_MOON), [&[Component::Moon], &night[..]].concat());
+}
+
+/// A closed layer sends down its share of the illuminance from above, moonlight included, the same in every direction.
+#[test]
+fn the_moon_shines_through_clouds() {
+    let open = Horizon::flat();
+    let clear = sky(FULL_MOON, &open, Skipping::OfNothing);
+    let gaps = BrokenClouds::CLOSED.gaps(1_400.0, 0.4);
+    let overcast = between(Some(&gaps), FULL_MOON, &open, Skipping::OfNothing);
+    let plane = |sky: &NightSky| sky.seen().seen_by(&Response::Photopic).unwrap().to_vec();
+    let onto_level = |at: usize, value: &f32| {
+        let row = at / AZIMUTH_COUNT;
+        f64::from(*value) * elevation_rad(row).sin() * solid_angle_sr(row)
+    };
+    let scattered_lx: f64 = plane(&clear).iter().enumerate().map(|(at, value)| onto_level(at, value)).sum();
+    let straight_lx: f64 = Component::ALL
+        .iter()
+        .flat_map(|component| clear.points[component.index()].iter().map(move |point| (component, point)))
+        .map(|(component, point)| {
+            let level = point.direction.elevation_rad.sin();
+            component.light().rule(&Response::Photopic).value(point.irradiance.map(|value| level * value))
+        })
+        .sum();
+    assert!(straight_lx > scattered_lx, "{straight_lx} {scattered_lx}");
+    let wanted_cd_m2 = 0.4 * (scattered_lx + straight_lx) / PI;
+    for value in plane(&overcast) {
+        assert!((f64::from(value) / wanted_cd_m2 - 1.0).abs() < 2e-3, "{value} {wanted_cd_m2}");
+    }
+    assert!(overcast.points.iter().all(Vec::is_empty));
 }
 
 /// What is left out changes the sky by less than the bound, and by dusk, where it counts, nothing is.

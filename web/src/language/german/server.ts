@@ -162,12 +162,12 @@ export const server: ServerWords = {
       "der Standort liegt {} m unter dem Boden: der Himmel ist der, den die Luft dort ohne ihn zeigen würde",
     ],
     [
-      "no natural light comes through the clouds: totals are artificial light alone, and there is neither Bortle class nor limiting magnitude",
-      "durch die Wolken kommt kein natürliches Licht: alles Licht ist künstlich, und es gibt weder Bortle-Klasse noch Grenzgröße",
+      "natural light comes through the clouds as far as they do not reflect it, in all directions alike; there is neither Bortle class nor limiting magnitude",
+      "natürliches Licht kommt durch die Wolken, soweit sie es nicht zurückwerfen, aus allen Richtungen gleich; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
     [
-      "natural light comes through the gaps between the clouds alone, and none shines on them from above; there is neither Bortle class nor limiting magnitude",
-      "natürliches Licht kommt nur durch die Lücken zwischen den Wolken, und von oben beleuchtet es sie nicht; es gibt weder Bortle-Klasse noch Grenzgröße",
+      "natural light comes through the gaps between the clouds, and through the clouds as far as they do not reflect it; there is neither Bortle class nor limiting magnitude",
+      "natürliches Licht kommt durch die Lücken zwischen den Wolken und durch die Wolken, soweit sie es nicht zurückwerfen; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [
