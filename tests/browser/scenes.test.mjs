@@ -1,7 +1,7 @@
 // Which scene is shown: that of the place, real data before the demo.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assertNoFaults, DESKTOP, getJson, openPage, skyShown } from "./support/browser.mjs";
+import { assertNoFaults, DESKTOP, getJson, openPage, PHONE, shot, skyShown } from "./support/browser.mjs";
 import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
 /** A server with a measured scene of the north besides the demo, which answers for both. */
@@ -65,6 +65,63 @@ test("search and my place know every scene", async () => {
   await page.waitForFunction(() => location.hash.includes("scene=north"));
   await skyShown(page);
   await context.close();
+});
+
+/** A server with a scene of an earlier year, in which the demo's lights are half as bright at the zenith. */
+async function withEarlierYear(page) {
+  const now = { ...here.scene, date: "2023" };
+  const earlier = { ...here.scene, id: "demo-2012", date: "2012" };
+  await page.route("**/api/v1/scenes", (route) => route.fulfill({ json: [now, earlier] }));
+  await page.route("**/api/v1/scenes/demo-2012/**", async (route) => {
+    const url = new URL(route.request().url());
+    const isNumbers = url.pathname.endsWith("/sky");
+    url.pathname = url.pathname.replace("/demo-2012/", `/${here.scene.id}/`);
+    const response = await route.fetch({ url: url.href });
+    if (!isNumbers) return route.fulfill({ response });
+    const answer = await response.json();
+    answer.sky.zenith_luminance_cd_m2 /= 2;
+    return route.fulfill({ response, json: answer });
+  });
+}
+
+/** Another scene of the place lies left of the split, on the map and in the sky, and a sentence says what changed. */
+test("another year is compared beside this one", async () => {
+  for (const device of [DESKTOP, { ...PHONE, locale: "de-DE" }]) {
+    const opened = await openPage(browser, "", device);
+    const { page, context, asked } = opened;
+    await withEarlierYear(page);
+    await page.goto("about:blank");
+    await page.goto(`${process.env.SKYGLOW_URL}/${fragment(here.beside)}`);
+    await skyShown(page);
+    assert.ok(await page.locator("#split-field").isHidden());
+    await page.selectOption("#beside", "demo-2012");
+    await page.waitForSelector("#beside-told:not([hidden])");
+    await skyShown(page);
+    const told = await page.locator("#beside-told").textContent();
+    assert.match(told, device === DESKTOP ? /brighter by 100 % than in “2012”/ : /um 100 % heller als in „2012“/);
+    assert.ok(await page.locator("#split-field").isVisible());
+    const labels = await page.locator("#split-field span").allTextContents();
+    assert.deepEqual(labels, ["2012", "2023"]);
+    assert.equal(inLink(page, "beside"), "demo-2012");
+    for (const path of ["panorama.sky", "tiles/radiance/tilejson.json"])
+      assert.ok(
+        asked.some((url) => url.startsWith(`scenes/demo-2012/${path}`)),
+        path,
+      );
+    await page.waitForSelector(".swipe-map");
+    await page.waitForTimeout(1000);
+    await shot(page, device === DESKTOP ? "years" : "years-phone");
+    await page.reload();
+    await page.waitForSelector("#beside-told:not([hidden])");
+    await skyShown(page);
+    assert.equal(await page.inputValue("#beside"), "demo-2012");
+    await page.selectOption("#beside", "");
+    await skyShown(page);
+    assert.ok(await page.locator("#split-field").isHidden());
+    assert.equal(inLink(page, "beside"), null);
+    assertNoFaults(opened);
+    await context.close();
+  }
 });
 
 test("one scene needs no choice of scenes", async () => {

@@ -7,7 +7,16 @@ import { faceGazes, faceSidePx } from "../sky/land-faces.ts";
 import { Landscape } from "../sky/landscape.ts";
 import fragmentShader from "../sky/shaders/land.frag?raw";
 import { adaptationOf } from "../sky/shading.ts";
-import { type AppState, CONDITIONS, coordinatesOf, landCdM2Of, landOf, sceneOf, skyConditions } from "../state/app-state.ts";
+import {
+  type AppState,
+  besideScene,
+  CONDITIONS,
+  coordinatesOf,
+  landCdM2Of,
+  landOf,
+  sceneOf,
+  skyConditions,
+} from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced } from "../ui/dom.ts";
 import { pictureUrl } from "../ui/picture-url.ts";
@@ -101,11 +110,11 @@ function requestOf(state: Readonly<AppState>): LandRequest | null {
     legend: "off" as const,
     ...(state.colours === "eye" ? { adaptation } : {}),
   };
-  const facing = (parameters: SkyParameters): Addresses =>
+  const facing = (parameters: SkyParameters, from = scene.id): Addresses =>
     faceGazes().map((gaze) =>
-      pictureUrl(scene.id, parameters, { ...state, projection: "perspective", gaze, skyAspect: 1 }, more, "webp"),
+      pictureUrl(from, parameters, { ...state, projection: "perspective", gaze, skyAspect: 1 }, more, "webp"),
     );
   const shown = { ...coordinatesOf(place), ...skyConditions(state) };
   const { scenario: _, ...today } = shown;
-  return { shown: facing(shown), today: panoramaToday === null ? null : facing(today) };
+  return { shown: facing(shown), today: panoramaToday === null ? null : facing(today, besideScene(state)?.id) };
 }

@@ -6,6 +6,7 @@ import { isOfLight } from "../sky/colour-maps.ts";
 import { SkyGrid } from "../sky/grid.ts";
 import {
   type AppState,
+  besideScene,
   CONDITIONS,
   coordinatesOf,
   isCompared,
@@ -21,6 +22,7 @@ const NO_SKY = {
   site: null,
   answer: null,
   comparison: null,
+  besideAnswer: null,
   panorama: null,
   panoramaToday: null,
 } as const;
@@ -29,18 +31,18 @@ const NO_SKY = {
 interface SkyRequests {
   shown: SkyParameters;
   /** Whose picture is shown beside it. */
-  beside: SkyParameters | null;
+  beside: { scene: string; query: SkyParameters } | null;
   /** Whose numbers it is compared with: today's of painted lights, or those of today's. A plan has its own. */
   compared: SkyParameters | null;
 }
 
-function requestsOf(state: Readonly<AppState>, place: Place): SkyRequests {
+function requestsOf(state: Readonly<AppState>, scene: string, place: Place): SkyRequests {
   const shown = { ...coordinatesOf(place), ...skyConditions(state) };
   const { scenario, ...today } = shown;
   const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
   return {
     shown,
-    beside: isCompared(state) ? today : null,
+    beside: isCompared(state) ? { scene: besideScene(state)?.id ?? scene, query: today } : null,
     compared: painted === null ? null : scenario === undefined ? { ...today, scenario: painted } : today,
   };
 }
@@ -56,13 +58,13 @@ export class SkySession {
 
   constructor(private readonly store: AppStore) {
     const inLight = ({ colours }: Readonly<AppState>) => isOfLight(colours);
-    store.watch([sceneOf, "place", "time", "isAway", inLight, ...CONDITIONS], (state) => {
+    store.watch([sceneOf, besideScene, "place", "time", "isAway", inLight, ...CONDITIONS], (state) => {
       const scene = sceneOf(state);
       if (scene === null || state.place === null) {
         this.cancel();
         return;
       }
-      const requests = requestsOf(state, state.place);
+      const requests = requestsOf(state, scene.id, state.place);
       if (state.isAway) this.wait(scene.id, requests);
       else void this.load(scene.id, requests);
     });
@@ -89,10 +91,11 @@ export class SkySession {
       const answer = await api.sky(scene, shown, signal);
       this.store.set({ answer, skyStage: "numbers" });
       performance.measure("sky:numbers", "sky:asked");
-      const both = beside === null ? [shown] : [shown, beside];
-      const [answers, other] = await Promise.all([
-        Promise.all(both.map((query) => api.panorama(scene, withCloudPattern(query), signal))),
+      const both = [{ scene, query: shown }, ...(beside === null ? [] : [beside])];
+      const [answers, other, besideAnswer] = await Promise.all([
+        Promise.all(both.map((each) => api.panorama(each.scene, withCloudPattern(each.query), signal))),
         compared === null ? null : api.sky(scene, compared, signal),
+        beside === null || beside.scene === scene ? null : api.sky(beside.scene, beside.query, signal),
         // What draws it: whoever is told of a picture then sees one.
         import("../sky/sky-view.ts"),
       ]);
@@ -100,7 +103,7 @@ export class SkySession {
       const [before, after] = isToday ? [answer, other] : [other, answer];
       const comparison = before === null || after === null ? null : { before: before.sky, after: after.sky };
       const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
-      this.store.set({ panorama, panoramaToday, comparison, skyStage: "picture" });
+      this.store.set({ panorama, panoramaToday, comparison, besideAnswer, skyStage: "picture" });
       performance.measure("sky:picture", "sky:asked");
       this.store.set({ isBusy: false });
     } catch (reason) {

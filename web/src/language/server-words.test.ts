@@ -9,7 +9,9 @@ const SERVER = new URL("../../../server/", import.meta.url);
 /** Where the server's sentences stand. */
 const SOURCES = [
   "app/src/error.rs",
+  "app/src/facts.rs",
   "app/src/observatory.rs",
+  "app/src/parameters.rs",
   "app/src/reader.rs",
   "app/src/validation.rs",
   "app/src/answers/assumptions.rs",
@@ -80,6 +82,8 @@ test("sentences take what is filled in", () => {
     ),
   );
   assert.deepEqual(said("1.5 to 6"), own("1,5 bis 6"));
+  assert.deepEqual(said("1.5 to 6 with multiple scattering"), own("1,5 bis 6 bei mehrfacher Streuung"));
+  assert.deepEqual(said("1 to 100 km"), own("1 bis 100 km"));
   assert.deepEqual(said('plan "p-1.5" is for the pixels of the scene as it was before it was ingested again').isEnglish, false);
 });
 

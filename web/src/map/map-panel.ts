@@ -1,9 +1,11 @@
 // The map as a component: it follows the state, and what happens on it changes the state.
 
+import type { Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { PaintedArea } from "../lights/painting.ts";
 import {
   type AppState,
+  besideScene,
   CONDITIONS,
   type Conditions,
   conditionsOf,
@@ -108,7 +110,7 @@ export class MapPanel {
     store.watch(["isAway"], ({ isAway }) => {
       if (!isAway) map.refreshTiles();
     });
-    store.watch([sceneOf, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying", "isAway"], (state) => {
+    store.watch([sceneOf, besideScene, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying", "isAway"], (state) => {
       if (state.isAway) return;
       for (const layer of LAYERS) showLayer(map, layer, state);
     });
@@ -118,7 +120,7 @@ export class MapPanel {
 function showLayer(map: SkyMap, layer: LayerName, state: Readonly<AppState>): void {
   // It takes seconds to compute: plans that are only tried leave the last one in place.
   if (layer === "brightness" && state.layers.brightness > 0 && state.isTrying) return;
-  const today = isCompared(state) ? layerRequest(layer, state, todaysConditions(state)) : null;
+  const today = isCompared(state) ? layerRequest(layer, state, todaysConditions(state), besideScene(state)) : null;
   map.showLayer(layer, layerRequest(layer, state, conditionsOf(state)), today);
 }
 
@@ -128,10 +130,15 @@ function ofMeasure(measure: MapMeasure): { measure?: MapMeasure } {
 }
 
 /** The request for a layer under these conditions; null where there is nothing to show. */
-function layerRequest(layer: LayerName, state: Readonly<AppState>, conditions: Conditions): LayerRequest | null {
+function layerRequest(
+  layer: LayerName,
+  state: Readonly<AppState>,
+  conditions: Conditions,
+  beside: Scene | null = null,
+): LayerRequest | null {
   const { place, clouds, layers, measure } = state;
   const { scenario } = conditions;
-  const scene = sceneOf(state);
+  const scene = beside ?? sceneOf(state);
   const query = {
     elevation: scene?.terrain === true ? {} : null,
     brightness: clouds === null ? { ...conditions, ...ofMeasure(mapMeasure(measure)) } : null,

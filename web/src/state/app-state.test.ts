@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Scene } from "../api/types.ts";
 import {
+  besideScene,
   bestFirst,
   conditionsOf,
   coordinatesOf,
@@ -9,6 +10,7 @@ import {
   initialState,
   isCompared,
   landOf,
+  otherScenes,
   packsOf,
   pictureConditions,
   sceneFor,
@@ -71,6 +73,25 @@ test("two skies are compared only with a scenario", () => {
   assert.ok(!isCompared({ ...DEFAULT, lights: "both" }));
   assert.ok(isCompared({ ...DEFAULT, lights: "both", scenario: PLAN }));
   assert.ok(!isCompared({ ...DEFAULT, lights: "today", scenario: PLAN }));
+});
+
+/** Another scene of the same place is shown beside this one, unless lights of this one are changed. */
+test("another year is shown beside this one", () => {
+  const scene = (id: string, bounds: number[]) => ({ id, bounds }) as unknown as Scene;
+  const scenes = [scene("y2023", [5, 44, 12, 48]), scene("y2012", [5, 44, 12, 48]), scene("south", [5, 40, 12, 43])];
+  const place = { latitude_deg: 46, longitude_deg: 8 };
+  const state = { ...DEFAULT, scenes, scene: "y2023", place, beside: "y2012" };
+  assert.deepEqual(
+    otherScenes(state).map(({ id }) => id),
+    ["y2012"],
+  );
+  assert.deepEqual([besideScene(state)?.id, isCompared(state)], ["y2012", true]);
+  for (const other of [{ beside: "south" }, { beside: "y2023" }, { beside: null }, { place: null }, { scenario: PLAN }])
+    assert.deepEqual(
+      [besideScene({ ...state, ...other }), isCompared({ ...state, ...other })],
+      [null, false],
+      JSON.stringify(other),
+    );
 });
 
 test("a region belongs to its own measure", () => {

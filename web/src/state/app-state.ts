@@ -70,8 +70,10 @@ export interface AppState extends ViewState {
   darker: Darker | null;
   /** The town that is shown on the map and in the sky while someone points at its name. */
   shownTown: NamedPlace | null;
+  /** The numbers of the same place in the scene that is shown beside this one. */
+  besideAnswer: SkyAnswer | null;
   panorama: SkyGrid | null;
-  /** The panorama of today's lights, where it is shown beside that of others. */
+  /** The panorama of today's lights or of that scene, where it is shown beside the other. */
   panoramaToday: SkyGrid | null;
   /** The land in light below each of them, where the state asks for it; it comes after the sky. */
   landscape: Landscape | null;
@@ -111,6 +113,7 @@ export function initialState(view: ViewState): AppState {
     night: null,
     nightHours: null,
     comparison: null,
+    besideAnswer: null,
     shares: null,
     areas: null,
     areaShares: null,
@@ -210,9 +213,20 @@ export function seenOf({ panorama }: State): Seen {
   return panorama?.seen ?? PHOTOPIC;
 }
 
-/** Whether the lights of today are shown beside the changed ones. */
-export function isCompared({ scenario, lights }: State): boolean {
-  return scenario !== null && lights === "both";
+/** The other scenes that have the picked place, such as those of other years. */
+export function otherScenes({ scenes, scene, place }: Pick<State, "scenes" | "scene" | "place">): Scene[] {
+  return place === null ? [] : scenes.filter(({ id, bounds }) => id !== scene && isInside(bounds, place));
+}
+
+/** The one of them that is shown beside this one. Changed lights are those of one scene, and are shown beside its own. */
+export function besideScene(state: State): Scene | null {
+  if (state.scenario !== null || state.beside === null) return null;
+  return otherScenes(state).find(({ id }) => id === state.beside) ?? null;
+}
+
+/** Whether today's lights or those of another scene are shown beside these. */
+export function isCompared(state: State): boolean {
+  return state.scenario === null ? besideScene(state) !== null : state.lights === "both";
 }
 
 /** The pattern of clouds that pictures show. */

@@ -8,6 +8,7 @@ const EVERYTHING: ViewState = {
   place: { latitude_deg: -1.28638, longitude_deg: 36.81722 },
   scenario: "p-0123456789abcdef0123",
   lights: "today",
+  beside: "kenya-2012",
   split: 0.25,
   view: { zoom: 7.31, latitude_deg: -1.25, longitude_deg: 36.9 },
   time: "2026-08-12T22:30:00Z",
@@ -71,7 +72,7 @@ test("former names of emissions are read", () => {
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(
-    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&cover=most&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&measure=region&region=1,2;3,4&look=10/20&land=sea&time=2026-13-01T00:00Z",
+    "#lat=91&lon=10&turbidity=clear&scattering=double&clouds=low&cover=most&projection=mercator&scene=../etc&lamp=%3Cb%3E&terrain=maybe&response=owl&uplight=2&ground=dark&keep=calm&radiance=7&map=3/1&scenario=p-1&lights=none&beside=../x&measure=region&region=1,2;3,4&look=10/20&land=sea&time=2026-13-01T00:00Z",
   );
   assert.deepEqual(state, { ...DEFAULT_STATE });
 });

@@ -34,6 +34,8 @@ function matching(text: string | null, pattern: RegExp): string | null {
   return text !== null && pattern.test(text) ? text : null;
 }
 
+const SCENE_ID = /^[a-z0-9-]{1,64}$/;
+
 /** Names that links of earlier viewers have. */
 const FORMER_EMISSIONS: Readonly<Record<string, string>> = {
   garstang: "garstang_1986",
@@ -90,10 +92,11 @@ export function stateFromFragment(fragment: string): ViewState {
     if (opacity !== null) named[name] = opacity;
   }
   return {
-    scene: matching(query.get("scene"), /^[a-z0-9-]{1,64}$/),
+    scene: matching(query.get("scene"), SCENE_ID),
     place: latitudeDeg !== null && longitudeDeg !== null ? { latitude_deg: latitudeDeg, longitude_deg: longitudeDeg } : null,
     scenario: matching(query.get("scenario"), /^[ps]-[0-9a-f]{20}$/),
     lights: oneOf(query.get("lights"), LIGHTS, DEFAULT_STATE.lights),
+    beside: matching(query.get("beside"), SCENE_ID),
     split: numberIn(query.get("split"), 0, 1) ?? DEFAULT_STATE.split,
     view:
       view.zoom !== null && view.latitude_deg !== null && view.longitude_deg !== null
@@ -137,10 +140,9 @@ export function fragmentFromState(state: ViewState): string {
   add("lat", state.place === null ? null : +state.place.latitude_deg.toFixed(5), null);
   add("lon", state.place === null ? null : +state.place.longitude_deg.toFixed(5), null);
   add("scenario", state.scenario, null);
-  if (state.scenario !== null) {
-    add("lights", state.lights, DEFAULT_STATE.lights);
-    add("split", +state.split.toFixed(2), DEFAULT_STATE.split);
-  }
+  if (state.scenario !== null) add("lights", state.lights, DEFAULT_STATE.lights);
+  add("beside", state.beside, null);
+  if (state.scenario !== null || state.beside !== null) add("split", +state.split.toFixed(2), DEFAULT_STATE.split);
   if (state.view !== null) {
     const { zoom, latitude_deg, longitude_deg } = state.view;
     parts.push(`map=${+zoom.toFixed(2)}/${+latitude_deg.toFixed(4)}/${+longitude_deg.toFixed(4)}`);

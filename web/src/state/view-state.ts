@@ -64,7 +64,9 @@ export interface ViewState {
   scenario: string | null;
   /** Which lights are shown where there is a scenario. */
   lights: LightsKind;
-  /** How far today's sky and map reach from the left where both are shown, 0 to 1. */
+  /** Id of a scene whose sky and map of the same place are shown beside those of `scene`, such as of another year; null: there is none. */
+  beside: string | null;
+  /** How far today's sky and map, or those of the other scene, reach from the left where both are shown, 0 to 1. */
   split: number;
   /** null: fit the scene. */
   view: MapView | null;
@@ -117,6 +119,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   place: null,
   scenario: null,
   lights: "changed",
+  beside: null,
   split: 0.5,
   view: null,
   time: null,

@@ -1,9 +1,10 @@
 // Which lights are shown: those of today, those of a plan or painting, or one beside the other.
 
 import { placeWords, words } from "../language/words.ts";
-import { isCompared, scenarioOf } from "../state/app-state.ts";
+import { besideScene, isCompared, scenarioOf, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { LightsKind } from "../state/view-state.ts";
+import { yearOf } from "./beside.ts";
 import { byId } from "./dom.ts";
 import { wireGroup } from "./group.ts";
 
@@ -22,11 +23,14 @@ export function mountLightsControls(store: AppStore): void {
     split.value = String(Math.round(100 * state.split));
     split.setAttribute("aria-valuetext", placeWords().plan.percent(split.value));
   });
-  store.watch([scenarioOf], (state) => {
-    const { withPlan, asPainted } = words().sky;
+  store.watch([scenarioOf, besideScene, sceneOf], (state) => {
+    const { withPlan, asPainted, today } = words().sky;
+    const [scene, beside] = [sceneOf(state), besideScene(state)];
     // One name for one thing: beside the slider too.
     const name = scenarioOf(state) === null ? withPlan : asPainted;
     byId("lights-changed", HTMLButtonElement).textContent = name;
-    byId("split-changed", HTMLElement).textContent = name;
+    const [left, right] = scene === null || beside === null ? [today, name] : [yearOf(beside, scene), yearOf(scene, beside)];
+    byId("split-before", HTMLElement).textContent = left;
+    byId("split-changed", HTMLElement).textContent = right;
   });
 }

@@ -12,6 +12,7 @@ import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 import { mountAreas } from "./areas.ts";
 import { BenchCard } from "./bench-card.ts";
+import { mountBeside } from "./beside.ts";
 import { mountColourNumbers } from "./colour-numbers.ts";
 import { Compare } from "./compare.ts";
 import { mountDarker } from "./darker.ts";
@@ -40,6 +41,7 @@ export interface MapMoves {
 export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves): PaintCard {
   mountPictureControls(store);
   mountLightsControls(store);
+  mountBeside(store);
   mountSummary(store);
   new Legend(store);
   new SkyView(byId("sky-view", HTMLElement), store);

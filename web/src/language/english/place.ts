@@ -210,6 +210,15 @@ export const place = {
     lampRatio: (ratio: string) => `S/P ${ratio}`,
   },
   /** What changed lights change. */
+  /** Another scene of the same place, such as of another year. */
+  beside: {
+    title: "Compare with",
+    none: "no other year",
+    brighter: (amount: string, year: string) => `The artificial light overhead is brighter by ${amount} than in “${year}”.`,
+    darker: (amount: string, year: string) => `The artificial light overhead is fainter by ${amount} than in “${year}”.`,
+    same: (year: string) => `The artificial light overhead is as bright as in “${year}”.`,
+    zenith: (before: string, after: string) => `All light: ${before} → ${after} mag/arcsec².`,
+  },
   comparison: {
     title: "Artificial light overhead, before and after",
     what: "What",

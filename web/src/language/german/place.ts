@@ -190,6 +190,14 @@ export const place: PlaceWords = {
     lamps: "Farbe der Lampen",
     lampRatio: (ratio) => `S/P ${ratio}`,
   },
+  beside: {
+    title: "Vergleichen mit",
+    none: "kein anderes Jahr",
+    brighter: (amount, year) => `Das künstliche Licht im Zenit ist um ${amount} heller als in „${year}“.`,
+    darker: (amount, year) => `Das künstliche Licht im Zenit ist um ${amount} schwächer als in „${year}“.`,
+    same: (year) => `Das künstliche Licht im Zenit ist so hell wie in „${year}“.`,
+    zenith: (before, after) => `Alles Licht: ${before} → ${after} mag/arcsec².`,
+  },
   comparison: {
     title: "Künstliches Licht im Zenit, vorher und nachher",
     what: "Was",

@@ -64,7 +64,14 @@ export const server: ServerWords = {
     ["needs tables that are not resident", "braucht Tabellen, die dieser Server nicht hat"],
     ["is not a number", "ist keine Zahl"],
     ["is not a whole number", "ist keine ganze Zahl"],
+    // What is allowed.
+    ["{} with {} scattering under clouds at {} m", "{} bei {} Streuung unter Wolken in {} m Höhe"],
+    ["{} with {} scattering", "{} bei {} Streuung"],
+    ["multiple", "mehrfacher"],
+    ["single", "einfacher"],
+    ["a whole number from {n} to {n}", "eine ganze Zahl von {} bis {}"],
     ["{n} to {n}", "{} bis {}"],
+    ["{n} to {n} {}", "{} bis {} {}"],
     // Details of problems.
     ['there is no scene "{}"; GET /api/v1/scenes lists those that are there', "eine Szene „{}“ gibt es auf diesem Server nicht"],
     [
