@@ -32,3 +32,8 @@ class Engine:
 
 def make_demo(data: str | Path) -> bool:
     """Makes the demo scene in a folder where there is none, or an older one; whether it did."""
+
+def brightness_png(
+    values: bytes, size_px: tuple[int, int], colour_range: tuple[float, float], description: str
+) -> bytes:
+    """Numbers of a map of brightness (float32 of this machine, row by row) in the colours of map tiles, as PNG."""

@@ -4,6 +4,7 @@ SKYGLOW_ENGINE_DATA and SKYGLOW_ENGINE_PACKS name the server's own folders.
 """
 
 import inspect
+import io
 import multiprocessing
 import os
 import signal
@@ -12,12 +13,15 @@ import time
 
 import geopandas
 import geopandas.testing
+import matplotlib.pyplot as plt
+import numpy as np
 import pandas
 import pytest
 import shapely
 from conftest import TOWN, VALLEY
 
 import skyglow
+import skyglow.widget
 
 NIGHT = "2026-08-12T23:00:00Z"
 
@@ -100,6 +104,20 @@ def test_the_rest_is_that_of_a_server(engine, client):
     pandas.testing.assert_frame_equal(engine.nights(*TOWN, "2026-08"), client.nights(*TOWN, "2026-08"))
     for operation in ("get_sky", "get_influence_json", "post_plan"):
         pandas.testing.assert_frame_equal(engine.parameters(operation), client.parameters(operation))
+
+
+def test_a_widget_needs_no_server(engine, client):
+    """Its map is drawn from an engine's numbers, of fewer places, in the colours of a server's."""
+    maps = []
+    for source in (engine, client):
+        sky = skyglow.widget.Sky(source, "demo", *TOWN)
+        assert sky.sky == client.sky(*TOWN)
+        sky.send = lambda _, buffers: maps.append(buffers[0])
+        sky._handle_custom_msg({"kind": "map", "bounds": [5.0, 43.0, 14.0, 49.0], "size_px": [90, 60]}, [])
+    mine, theirs = (plt.imread(io.BytesIO(png)) for png in maps)
+    assert mine.shape == theirs.shape == (60, 90, 4)
+    assert np.ptp(mine[..., 0]) > 0.5
+    assert np.abs(mine - theirs).mean() < 0.02
 
 
 def test_scenarios_and_plans_are_those_of_a_server(engine, client):

@@ -52,6 +52,8 @@ pub const OPERATIONS: &[Operation] = &[
     post("post_influence_csv", "scenes/{scene}/influence.csv", p::InfluenceParameters::ALL),
     get("get_influence_tif", "scenes/{scene}/influence.tif", p::InfluenceRasterParameters::ALL),
     post("post_influence_tif", "scenes/{scene}/influence.tif", p::InfluenceRasterParameters::ALL),
+    get("get_shares", "scenes/{scene}/shares", p::SharesParameters::ALL),
+    post("post_shares", "scenes/{scene}/shares", p::AreaSharesParameters::ALL),
     get("get_radiance_tif", "scenes/{scene}/layers/radiance.tif", p::ScenarioParameters::ALL),
     get("get_elevation_tif", "scenes/{scene}/layers/elevation.tif", p::NoParameters::ALL),
     get("get_brightness_tif", "scenes/{scene}/layers/brightness.tif", p::BrightnessParameters::ALL),

@@ -15,6 +15,7 @@ use skyglow_app::{
     planning::{make_plan, prepare_plan},
     problem::LineError,
     request::{self, Keeping, no_parameters, scenario_alone, scene_id},
+    shares_file::{SharesFormat, SharesQuestion},
     sky_lines::each_sky_line,
 };
 use skyglow_observatory::{
@@ -138,6 +139,7 @@ impl Answers {
             }
             "panorama" => self.panorama(extension, asked),
             "influence" => self.influence(extension, asked, watch),
+            "shares" => self.shares(asked, watch),
             "layers/radiance" => {
                 let scenario = scenario_alone(asked.query)?;
                 let view = self.source.view(&asked.id, scenario.as_ref())?;
@@ -220,6 +222,29 @@ impl Answers {
         let map = source.influence(&wanted.request, &view, watch)?;
         let assumptions = Assumptions::of_influences(&wanted.request, &map, facts);
         encode_influences(assumptions, &map, &wanted, format).map_err(AppError::internal)
+    }
+
+    fn shares(&self, asked: &OfScene<'_>, watch: &Watch<'_>) -> Result<Vec<u8>, AppError> {
+        let (source, facts) = (&self.source, self.source.facts());
+        let question = match asked.body {
+            [] => SharesQuestion::Places(request::shares(asked.query, asked.id.clone(), facts)?),
+            body => SharesQuestion::Areas(request::area_shares(asked.query, body, asked.id.clone(), facts)?),
+        };
+        let request = match &question {
+            SharesQuestion::Places(places) => &places.request,
+            SharesQuestion::Areas(areas) => &areas.request,
+        };
+        let of_sky = &request.sky;
+        let view = source.view(&of_sky.scene, of_sky.scenario.as_ref())?;
+        let site = source.site(&view, of_sky.place)?;
+        check_altitude(of_sky, site.ground, facts.altitude_range_m)?;
+        if let SharesQuestion::Areas(areas) = &question {
+            areas.check_within(view.metadata().bounds)?;
+        }
+        let map = source.influence(request, &view, watch)?;
+        let assumptions = Assumptions::of_influences(request, &map, facts);
+        let outcome = question.answer(assumptions, &map, watch)?;
+        outcome.encode(SharesFormat::Json).map_err(AppError::internal)
     }
 
     fn brightness(&self, asked: &OfScene<'_>, watch: &Watch<'_>) -> Result<Vec<u8>, AppError> {

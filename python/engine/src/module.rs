@@ -12,6 +12,7 @@ use pyo3::{
     types::PyBytes,
 };
 use skyglow_app::problem::LineError;
+use skyglow_display::{Notes, tile::brightness_map_png};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::{PlaceWindow, SceneStore, create_demo, demo_is_wanted};
 use std::{
@@ -160,9 +161,31 @@ fn make_demo(py: Python<'_>, data: PathBuf) -> PyResult<bool> {
     beside_python(py, make)?.map_err(|error| PyOSError::new_err(error.to_string()))
 }
 
+/// Numbers of a map of brightness, float32 of this machine row by row, in the colours of map tiles, as PNG: less than the lower end of
+/// `colour_range` is transparent, and so is NaN.
+#[pyfunction]
+fn brightness_png<'py>(
+    py: Python<'py>,
+    values: &[u8],
+    size_px: [u32; 2],
+    colour_range: (f64, f64),
+    description: &str,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let (numbers, rest) = values.as_chunks::<4>();
+    if !rest.is_empty() {
+        return Err(PyValueError::new_err("values: four bytes for each number"));
+    }
+    let values: Vec<f32> = numbers.iter().map(|&four| f32::from_ne_bytes(four)).collect();
+    let drawn = beside_python(py, |_| {
+        let has_data: Vec<bool> = values.iter().map(|value| !value.is_nan()).collect();
+        brightness_map_png(&values, &has_data, size_px, colour_range, &Notes::new(description, ""))
+    })?;
+    drawn.map(|png| PyBytes::new(py, &png)).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
 /// The engine of Skyglow: skyglow.Engine is how to ask it.
 #[pymodule]
 mod skyglow_engine {
     #[pymodule_export]
-    use super::{Engine, RefusedError, make_demo};
+    use super::{Engine, RefusedError, brightness_png, make_demo};
 }

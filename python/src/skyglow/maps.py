@@ -46,8 +46,9 @@ class Frame:
 
     ``shape`` are rows and columns of its places, ``window`` those within the bounds that were asked for. ``patch`` are
     rows and columns that are found together: parts that consist of whole ones cost no more than their share.
-    ``transform`` has GDAL's six coefficients, ``bounds`` west, south, east and north of the scene. ``key`` tells this
-    map, made by this engine, from all others.
+    ``transform`` has GDAL's six coefficients, ``bounds`` west, south, east and north of the scene; pictures have their
+    colours between the ends of ``colour_range``; ``date`` is that of the scene's light. ``key`` tells this map, made by
+    this engine, from all others.
     """
 
     shape: tuple[int, int]
@@ -58,7 +59,9 @@ class Frame:
     bounds: Bounds
     unit: str
     description: str
+    colour_range: tuple[float, float]
     attribution: str | None
+    date: str | None
     assumptions: Mapping[str, Any]
     key: str
 
@@ -89,7 +92,9 @@ class BrightnessMap:
             bounds=tuple(said["bounds"]),
             unit=said["unit"],
             description=said["description"],
+            colour_range=tuple(said["colour_range"]),
             attribution=said["attribution"],
+            date=said["date"],
             assumptions=said["assumptions"],
             key=hashlib.sha256(content.encode()).hexdigest(),
         )

@@ -32,8 +32,12 @@ pub struct MapFrame {
     pub unit: String,
     /// What its numbers are, in words.
     pub description: String,
+    /// Ends of the colours of its pictures.
+    pub colour_range: (f64, f64),
     /// Whom to credit for the scene.
     pub attribution: Option<String>,
+    /// When the scene's light was seen.
+    pub date: Option<String>,
     /// What its numbers depend on.
     pub assumptions: BrightnessAssumptions,
     /// A hash of the request, the scene and the packs, but not of the program.
@@ -58,7 +62,9 @@ impl MapFrame {
             bounds: metadata.bounds,
             unit: request.measure.unit(request.response.unit()),
             description: brightness_shows(request.measure, &request.response),
+            colour_range: request.measure.colour_range(&request.response),
             attribution: metadata.attribution.clone(),
+            date: metadata.date.clone(),
             assumptions: BrightnessAssumptions::of_scene(request, metadata, lattice.step, facts),
             content: brightness_content(request, view.version(), facts)?,
         })
