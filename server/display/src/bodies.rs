@@ -1,7 +1,13 @@
 //! Stars, planets and the Moon in a picture: points blurred by the eye, drawn where it sees them (Crumey 2014), and discs at their true
 //! size with their phase.
 
-use crate::{eye::Seen, projection::View, sampler::Sampler};
+use crate::{
+    eye::Seen,
+    glare::{Glare, Halo, even_background_cd_m2},
+    ground::without_ground,
+    projection::View,
+    sampler::{Sampler, taps},
+};
 use skyglow_physics::{Direction, Horizon, Response, SeenSky, photometry::naked_eye_limit_mag};
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
@@ -23,11 +29,21 @@ pub struct SkyBodies {
 }
 
 impl SkyBodies {
-    /// The points that the naked eye sees before a sky, which holds all light there is.
+    /// The points that the naked eye sees before a sky, which holds all light there is, and the veil that the eye makes of it.
     pub fn seen_points(&self, sky: &SeenSky, horizon: &Horizon) -> Vec<PointLight> {
-        let Some(luminance_cd_m2) = sky.seen_by(&Response::Photopic) else { return Vec::new() };
-        let sampler = Sampler::new([luminance_cd_m2]);
-        let background = |direction| sampler.values(direction).map(|[luminance]| luminance);
+        let filled = without_ground(sky, horizon);
+        let Some(plane) = filled.seen_by(&Response::Photopic).filter(|_| !self.points.is_empty()) else {
+            return Vec::new();
+        };
+        let halos = Halo::of(&self.discs, horizon);
+        let glare = Glare::new([plane; 4], &halos);
+        let sampler = Sampler::new([plane]);
+        let background = |direction| {
+            let [luminance_cd_m2] = sampler.values(direction)?;
+            let near = halos.iter().filter_map(|halo| halo.near(direction)).map(|[_, more, ..]| more);
+            let [_, veil_cd_m2, ..] = glare.at(&taps(direction)?);
+            Some(even_background_cd_m2(luminance_cd_m2, veil_cd_m2 + near.sum::<f64>()))
+        };
         self.points.iter().filter(|point| point.is_seen(horizon, background)).copied().collect()
     }
 }
@@ -74,20 +90,20 @@ pub struct Disc {
 pub(crate) struct BodyRows(Vec<Vec<(u32, Seen)>>);
 
 impl BodyRows {
-    /// Bodies above the horizon that are bright enough to be seen on the sky behind them.
+    /// Discs above the horizon, and points that are seen.
     pub(crate) fn new(
-        bodies: &SkyBodies,
+        discs: &[Disc],
+        points: &[PointLight],
         view: &View,
         (width_px, height_px): (u32, u32),
         horizon: &Horizon,
-        background_cd_m2: impl Fn(Direction) -> Option<f64>,
     ) -> Self {
         let mut rows = Self(vec![Vec::new(); height_px as usize]);
         let size_px = (f64::from(width_px), f64::from(height_px));
-        for disc in &bodies.discs {
+        for disc in discs {
             rows.add_disc(disc, view, size_px, horizon);
         }
-        for point in bodies.points.iter().filter(|point| point.is_seen(horizon, &background_cd_m2)) {
+        for point in points {
             rows.add_point(point, view, size_px);
         }
         for row in &mut rows.0 {
@@ -242,6 +258,30 @@ mod tests {
                 .count()
         };
         assert!(lit(-4.0) > lit(1.0) && lit(1.0) > lit(4.0) && lit(4.0) > 0);
+    }
+
+    /// Glare hides faint stars next to the Moon, and far from it none; a hill before the Moon brings them back.
+    #[test]
+    fn glare_hides_faint_stars() {
+        let moon = Disc {
+            direction: looking(90.0, 30.0),
+            radius_rad: 0.26f64.to_radians(),
+            lit_cd_m2: [2.5e3; 4],
+            dark_cd_m2: [0.0; 4],
+            lit_share: 1.0,
+            bright_limb_rad: 0.0,
+        };
+        let near = [2.0, 4.0, 8.0].map(|away_deg| star(5.5, looking(90.0, 30.0 + away_deg)));
+        let (bright, far) = (star(0.0, looking(90.0, 34.0)), star(5.5, looking(270.0, 60.0)));
+        let points = [&near[..], &[bright, far]].concat();
+        let count = |discs: &[Disc], horizon: &Horizon| {
+            let bodies = SkyBodies { points: points.clone(), discs: discs.to_vec() };
+            bodies.seen_points(&grey_sky(|_, _| 3e-4), horizon)
+        };
+        assert_eq!(count(&[], &Horizon::flat()).len(), points.len());
+        assert_eq!(count(&[moon], &Horizon::flat()), [bright, far]);
+        let hill = Horizon::new(vec![31f64.to_radians(); skyglow_physics::AZIMUTH_COUNT]).unwrap();
+        assert_eq!(count(&[moon], &hill).len(), points.len());
     }
 
     /// Half a Moon has half of the full one's white pixels, on the side of the bright limb.

@@ -27,6 +27,14 @@ const NEAREST_CELL_DEG: f64 = 4.0;
 /// Nearer to Moon and Sun than this their veil is found for every pixel; samples of the grid have that of this angle.
 const HALO_DEG: f64 = 5.0;
 
+/// Luminance of an even sky's own veil over that of the sky. The even backgrounds that thresholds are known for have it too.
+const EVEN_SKY_VEIL: f64 = 0.045;
+
+/// The even background that hides as much as a luminance with a veil over it, cd m⁻².
+pub(crate) fn even_background_cd_m2(luminance_cd_m2: f64, veil_cd_m2: f64) -> f64 {
+    ((luminance_cd_m2 + veil_cd_m2) / (1.0 + EVEN_SKY_VEIL)).max(luminance_cd_m2)
+}
+
 /// Luminance of the veil over illuminance at the eye, sr⁻¹, at an angle from a light.
 pub fn veil_per_lx(angle_deg: f64) -> f64 {
     let theta = angle_deg.max(LEAST_DEG);

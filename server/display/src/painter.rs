@@ -139,16 +139,9 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Luminance of the sky in a direction, cd m⁻², that stars are seen on; None below the horizon, and in false colours, which show
-    /// no stars.
-    pub(crate) fn background_cd_m2(&self, direction: Direction) -> Option<f64> {
-        match self {
-            Painter::FalseColour { .. } => None,
-            Painter::Eye { sampler, .. } => sampler.values(direction).map(|[_, luminance, ..]| luminance),
-            Painter::Realistic { sampler, .. } => {
-                sampler.values(direction).map(|[_, luminance, _]| luminance)
-            }
-        }
+    /// Whether stars are shown: false colours show none.
+    pub(crate) fn has_stars(&self) -> bool {
+        !matches!(self, Painter::FalseColour { .. })
     }
 
     /// Whether a line is drawn along the ground; by night it ends where the stars do.

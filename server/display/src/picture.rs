@@ -100,8 +100,8 @@ pub fn picture_with(
         }
     } else {
         let size_px = (options.width_px, options.height_px);
-        let background = |direction| painter.background_cd_m2(direction);
-        let bodies = BodyRows::new(bodies, &view, size_px, horizon, background);
+        let points = if painter.has_stars() { bodies.seen_points(&seen, horizon) } else { Vec::new() };
+        let bodies = BodyRows::new(&bodies.discs, &points, &view, size_px, horizon);
         let lit = ground_light.map(|light| LitPicture::new(light, &view, size_px));
         let before = Before { bodies: &bodies, lit: lit.as_ref() };
         paint_each(&mut canvas, (offset_px, options), &view, &painter, &before, &mut ground, &mut beyond);
