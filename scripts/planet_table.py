@@ -4,9 +4,11 @@
     cargo build --release --package skyglow --package skyglow-lab
     scripts/planet_table.py --folder /tmp/planet --sizes 1e5,1e6 --terrain both
 
-Makes what is not there yet in --folder: rasters by `lab planet`, scenes by `skyglow ingest`. Then it serves each scene beside the
-smallest one and clicks at the same places in both in turn: these lie in a region that is the same in every size, so that what
-differs is the rest of the planet. The first click opens the scene. Times are of one run, with the machine's load beside them. Files are in the system's cache where they fit.
+Makes what is not there yet in --folder: rasters by `lab planet`, scenes by `skyglow ingest`.
+Then it serves each scene beside the smallest one and clicks at the same places in both in turn.
+These lie in a region that is the same in every size, so that what differs is the rest of the planet.
+The first click opens the scene. Times are of one run, with the machine's load beside them.
+Files are in the system's cache where they fit.
 """
 
 import argparse
@@ -64,7 +66,8 @@ class Server:
             free.bind(("127.0.0.1", 0))
             address = f"127.0.0.1:{free.getsockname()[1]}"
         self.url = f"http://{address}"
-        command = [options.skyglow, "serve", "--data", data, "--listen", address, "--no-demo", "--device", "cpu", *options.serve]
+        command = [options.skyglow, "serve", "--data", data, "--listen", address]
+        command += ["--no-demo", "--device", "cpu", *options.serve]
         log = open(options.folder / "serve.log", "ab")
         start = time.monotonic()
         self.process = subprocess.Popen([str(part) for part in command], stdout=log, stderr=log)
@@ -144,7 +147,7 @@ def begin(options, size, with_terrain):
 
 
 def measure(options):
-    """Each scene has a server, beside one of the smallest scene of its kind, which is asked at the same places in turn."""
+    """Each scene has a server, beside one of the smallest of its kind, which is asked at the same places in turn."""
     rows = []
     for with_terrain in options.terrains:
         smallest, first = begin(options, options.sizes[0], with_terrain)
@@ -197,7 +200,7 @@ def main():
     parser.add_argument("--sizes", default="1e5,1e6,1e7,3e7", help="numbers of lit pixels")
     parser.add_argument("--terrain", choices=["none", "only", "both"], default="both")
     parser.add_argument("--arcsec", type=int, default=15, help="side of a pixel of the lights, arc seconds")
-    parser.add_argument("--region-lit", type=int, default=80_000, help="lit pixels of the region that is the same in every size")
+    parser.add_argument("--region-lit", type=int, default=80_000, help="of the region that is always the same")
     parser.add_argument("--rounds", type=int, default=1, help="clicks at each place")
     parser.add_argument("--skyglow", type=pathlib.Path, default=ROOT / "target/release/skyglow")
     parser.add_argument("--lab", type=pathlib.Path, default=ROOT / "target/release/lab")
