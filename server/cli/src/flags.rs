@@ -50,6 +50,26 @@ pub(crate) struct JsonFlags {
     pub(crate) json: bool,
 }
 
+/// West, south, east, north, degrees.
+pub(crate) type Bounds = [f64; 4];
+
+/// Bounds from the command line.
+pub(crate) fn bounds(text: &str) -> Result<Bounds, String> {
+    let numbers = text.split(',').map(|part| part.trim().parse::<f64>()).collect::<Result<Vec<_>, _>>();
+    match numbers.as_deref() {
+        Ok(&[west, south, east, north])
+            if (-180.0..=360.0).contains(&west)
+                && (-180.0..=360.0).contains(&east)
+                && (-90.0..north).contains(&south)
+                && north <= 90.0
+                && west != east =>
+        {
+            Ok([west, south, east, north])
+        }
+        _ => Err("four numbers with commas between them: west, south, east, north in degrees".to_owned()),
+    }
+}
+
 /// What a command that renders needs.
 #[derive(Debug, Args)]
 pub(crate) struct ProgramFlags {

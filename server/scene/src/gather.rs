@@ -121,7 +121,7 @@ mod tests {
     use crate::{
         grid::{GeographicAxes, Grid},
         light_pyramid::LightPyramid,
-        light_tree::FAR_BLOCK_RATIO,
+        light_tree::{FAR_BLOCK_RATIO, LightSkylines},
         lit_pixels::LitPixels,
         morton,
         skylines::{SKYLINE_AZIMUTH_COUNT, Skylines},
@@ -157,7 +157,7 @@ mod tests {
             pixels: &pixels,
             pyramid: &pyramid,
             calibration: 1.0,
-            skylines: Some(&skylines),
+            skylines: Some(LightSkylines::Whole(&skylines)),
             removed: None,
             first_number: 0,
         };

@@ -23,7 +23,7 @@ mod terrain_files;
 mod units;
 mod unpack;
 
-pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
+pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, SkylineTime};
 pub use units::RadianceUnit;
 
 use self::mosaic::Mosaic;
@@ -101,8 +101,12 @@ pub(crate) fn ingest_as(
     let (crs_wkt, crs_name) = mosaic.crs_text()?;
     let terrain = terrain_files::read(options, progress)?;
     terrain_files::set_altitudes(&terrain, &mut light, progress);
-    let skylines = skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress);
-    let has_skylines = skylines.is_some();
+    let when = options.skylines.unwrap_or_else(|| SkylineTime::of_lights(light.pixels.len()));
+    let skylines = match when {
+        SkylineTime::Ingest => skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress),
+        SkylineTime::Need => None,
+    };
+    let has_skylines = !terrain.terrain.is_empty();
     let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
     let count = LightCount::of_codes(&light.pixels.codes, with_skylines);
     radiance::check_scene(&count, options)

@@ -50,6 +50,8 @@ mod scene_id;
 mod scene_writer;
 mod sections;
 mod skyline_of_light;
+mod skyline_tiles;
+mod skyline_view;
 mod skylines;
 mod staging;
 mod store;
@@ -69,7 +71,9 @@ pub use error::SceneError;
 pub use gazetteer::{GAZETTEER_CREDIT, Gazetteer, WorldPlace};
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
-pub use ingest::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, ingest};
+pub use ingest::{
+    IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, SkylineTime, ingest,
+};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use light_tree::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use map_tile::{PixelValues, RasterTile, TileLayer};
@@ -81,7 +85,7 @@ pub use metadata::{
 };
 pub use place_kernel::{PlaceKernel, UniformAxis};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
-pub use scene::{Scene, SumWay};
+pub use scene::{Prepared, Scene, SumWay};
 pub use scene_id::SceneId;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
 pub use store::{SceneList, SceneStore, UploadFolder};

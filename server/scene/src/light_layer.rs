@@ -3,12 +3,15 @@
 
 use crate::grid::Grid;
 use crate::light_pyramid::{Block, LightPyramid};
-use crate::light_tree::LightTree;
+use crate::light_tree::{LightSkylines, LightTree};
 use crate::lit_pixels::LitPixels;
 use crate::memory::LightCount;
 use crate::morton;
 use crate::removed_lights::RemovedLights;
+use crate::skyline_tiles::{MAX_KEPT_BYTES, SkylineTiles, TileGround};
+use crate::skyline_view::SkylineView;
 use crate::skylines::{Skyline, Skylines};
+use crate::terrain::Terrain;
 use skyglow_physics::Fixture;
 use std::sync::Arc;
 
@@ -16,8 +19,10 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lights {
     pub(crate) pixels: LitPixels,
-    /// The skyline of each lit pixel; None without terrain, and for scenes of format 1.
+    /// The skyline of each lit pixel; None without terrain, for scenes of format 1, and where they are made by tile.
     pub(crate) skylines: Option<Skylines>,
+    /// Skylines that are made by tile when they are needed.
+    pub(crate) tiles: Option<Arc<SkylineTiles>>,
     pub(crate) pyramid: LightPyramid,
 }
 
@@ -25,13 +30,37 @@ impl Lights {
     /// Bytes of memory that they take, about.
     pub(crate) fn byte_count(&self) -> u64 {
         let skylines = self.skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
-        LightCount::of_codes(&self.pixels.codes, skylines).scene_bytes()
+        let of_tiles = if self.tiles.is_some() { MAX_KEPT_BYTES as u64 } else { 0 };
+        let whole =
+            LightCount { skylines: self.pixels.len() as u64, ..LightCount::of_codes(&self.pixels.codes, 0) };
+        let without = LightCount::of_codes(&self.pixels.codes, skylines).scene_bytes();
+        without + of_tiles.min(whole.scene_bytes())
+    }
+
+    /// What their skylines are made of.
+    pub(crate) fn tile_ground<'a>(
+        &'a self,
+        grid: &'a Grid,
+        terrain: &'a Terrain,
+        calibration: f64,
+    ) -> TileGround<'a> {
+        TileGround { grid, terrain, pixels: &self.pixels, pyramid: &self.pyramid, calibration }
+    }
+
+    /// Whether it is known, or can be found, what terrain hides of each light.
+    pub(crate) fn knows_skylines(&self) -> bool {
+        self.skylines.is_some() || self.tiles.is_some()
     }
 
     /// Builds the pyramid.
     pub(crate) fn new(grid: &Grid, pixels: LitPixels, skylines: Option<Skylines>, calibration: f64) -> Self {
         let pyramid = LightPyramid::build(grid, &pixels, skylines.as_ref(), calibration);
-        Self { pixels, skylines, pyramid }
+        Self { pixels, skylines, tiles: None, pyramid }
+    }
+
+    /// The same with skylines that are made by tile.
+    pub(crate) fn with_tiles(self, tiles: SkylineTiles) -> Self {
+        Self { tiles: Some(Arc::new(tiles)), ..self }
     }
 }
 
@@ -67,20 +96,29 @@ impl LightLayer {
         Self { lights: Arc::new(lights), first_number: 0, removed: None, fixture: Fixture::default() }
     }
 
+    /// The layer for walking through it, under an open sky.
+    pub(crate) fn open_light<'a>(&'a self, grid: &'a Grid, calibration: f64) -> LightTree<'a> {
+        self.light(grid, calibration, None)
+    }
+
     /// The layer for walking through it.
+    ///
+    /// * `hides`: None where nothing hides light; else the skylines that are needed, where they are made by tile.
     pub(crate) fn light<'a>(
         &'a self,
         grid: &'a Grid,
         calibration: f64,
-        terrain_hides: bool,
+        hides: Option<Option<&'a SkylineView>>,
     ) -> LightTree<'a> {
-        let skylines = self.lights.skylines.as_ref();
+        let whole = self.lights.skylines.as_ref().filter(|skylines| skylines.blocked_count() > 0);
+        let view = hides.flatten().filter(|view| self.lights.tiles.is_some() && view.is_blocked());
+        let skylines = whole.map(LightSkylines::Whole).or(view.map(LightSkylines::View));
         LightTree {
             grid,
             pixels: &self.lights.pixels,
             pyramid: &self.lights.pyramid,
             calibration,
-            skylines: skylines.filter(|skylines| terrain_hides && skylines.blocked_count() > 0),
+            skylines: skylines.filter(|_| hides.is_some()),
             removed: self.removed.as_deref(),
             first_number: self.first_number,
         }

@@ -124,6 +124,13 @@ impl LightPyramid {
         })
     }
 
+    /// The blocks of level `below` within a block of level `number`, which is no lower.
+    pub(crate) fn blocks_within(&self, number: usize, index: usize, below: usize) -> std::ops::Range<usize> {
+        self.levels[below..number].iter().rev().fold(index..index + 1, |range, level| {
+            level.children(range.start).start..level.children(range.end - 1).end
+        })
+    }
+
     /// Level `number`, 1..=top.
     pub(crate) fn level(&self, number: usize) -> &Level {
         &self.levels[number - 1]

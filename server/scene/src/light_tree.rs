@@ -25,6 +25,7 @@ use crate::lit_pixels::LitPixels;
 use crate::morton;
 use crate::polar_grid::{PlacedLight, PolarAccumulator, log_distance};
 use crate::removed_lights::RemovedLights;
+use crate::skyline_view::SkylineView;
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::geometry::{Bearing, LocalFrame};
@@ -72,6 +73,15 @@ pub(crate) struct Subtree {
     pub(crate) pixels: usize,
 }
 
+/// Where the skylines of lights and blocks are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LightSkylines<'a> {
+    /// Those of all lights here, of blocks in the pyramid.
+    Whole(&'a Skylines),
+    /// Those that are needed, made by tile.
+    View(&'a SkylineView),
+}
+
 /// The lights of a layer, as the functions of this module need them.
 #[derive(Clone, Copy)]
 pub(crate) struct LightTree<'a> {
@@ -79,8 +89,8 @@ pub(crate) struct LightTree<'a> {
     pub(crate) pixels: &'a LitPixels,
     pub(crate) pyramid: &'a LightPyramid,
     pub(crate) calibration: f64,
-    /// The pixels' skylines; None where nothing hides light, or it is not to.
-    pub(crate) skylines: Option<&'a Skylines>,
+    /// The skylines; None where nothing hides light, or it is not to.
+    pub(crate) skylines: Option<LightSkylines<'a>>,
     /// Removed lights; None where there are none.
     pub(crate) removed: Option<&'a RemovedLights>,
     /// Number of the layer's first light in the scene.
@@ -103,11 +113,6 @@ pub(crate) fn turns_from_light(light: DVec3, observer: DVec3) -> f64 {
     let quarter = if east.abs() > north.abs() { 0.25 - octant } else { octant };
     let half = if north < 0.0 { 0.5 - quarter } else { quarter };
     if east < 0.0 { 1.0 - half } else { half }
-}
-
-/// The skylines where they say something of a light.
-fn known_around(skylines: Option<&Skylines>, light: usize) -> Option<&Skylines> {
-    skylines.filter(|skylines| !skylines.is_open(light))
 }
 
 /// Chord of an arc, metres.
@@ -134,14 +139,15 @@ fn near_bearing(frame: &LocalFrame, target: DVec3) -> Bearing {
 }
 
 impl<'a> LightTree<'a> {
-    /// The skylines that a block's (a pixel's at level 0) are among; None where it is under an open sky.
+    /// The skylines that a block's (a pixel's at level 0) are among, and its index there; None where it is under an open sky.
     #[inline(always)]
-    pub(crate) fn skylines_of(&self, level: usize, index: usize) -> Option<&'a Skylines> {
-        let skylines = match level {
-            0 => self.skylines,
-            level => self.skylines.and(self.pyramid.level(level).skylines.as_ref()),
+    pub(crate) fn skylines_of(&self, level: usize, index: usize) -> Option<(&'a Skylines, usize)> {
+        let skylines = match (self.skylines?, level) {
+            (LightSkylines::View(view), level) => return view.find(level, index),
+            (LightSkylines::Whole(of_pixels), 0) => of_pixels,
+            (LightSkylines::Whole(_), level) => self.pyramid.level(level).skylines.as_ref()?,
         };
-        known_around(skylines, index)
+        (!skylines.is_open(index)).then_some((skylines, index))
     }
 
     /// Calls `visit` with the index of each pixel of a block whose centre may be within `radius_m` of `place` (a few
@@ -237,8 +243,7 @@ impl<'a> LightTree<'a> {
             if taken {
                 let bearing = near_bearing(frame, block.direction);
                 let log_distance = log_distance(bearing.distance_m);
-                let skylines = self.skylines.and(level.skylines.as_ref());
-                let blocking = known_around(skylines, index).map_or(0.0, |skylines| {
+                let blocking = self.skylines_of(number, index).map_or(0.0, |(skylines, index)| {
                     skylines.blocking(index, turns_from_light(block.direction, frame.up), log_distance)
                 });
                 let azimuth_rad = bearing.azimuth_rad;
@@ -262,14 +267,14 @@ impl<'a> LightTree<'a> {
             let mut sink = shared.borrow_mut();
             let number = self.first_number + index as u32;
             let numbers = number..number + 1;
-            let skylines = known_around(self.skylines, index);
+            let skylines = self.skylines_of(0, index);
             if bearing.distance_m < SPLIT_WITHIN_M + 1.0 {
                 let pixel = self.pixels.source_pixel(self.grid, self.calibration, index);
                 // Meridians of the pixel's pieces are parallel, so its centre's share of the turn is theirs.
                 let back = turns_from_light(center, frame.up) - bearing.azimuth_rad / TAU;
                 pixel.for_each_point_source(frame, &mut |s| {
                     let log_distance = log_distance(s.distance_m);
-                    let blocking = skylines.map_or(0.0, |skylines| {
+                    let blocking = skylines.map_or(0.0, |(skylines, index)| {
                         skylines.blocking(index, (back + s.azimuth_rad / TAU).rem_euclid(1.0), log_distance)
                     });
                     let PointSource { azimuth_rad, altitude_m, flux_dnb_w, .. } = s;
@@ -280,7 +285,7 @@ impl<'a> LightTree<'a> {
                 let flux_dnb_w = self.pixels.flux_dnb_w(self.grid, self.calibration, index);
                 let altitude_m = f64::from(self.pixels.altitude_m[index]);
                 let log_distance = log_distance(bearing.distance_m);
-                let blocking = skylines.map_or(0.0, |skylines| {
+                let blocking = skylines.map_or(0.0, |(skylines, index)| {
                     skylines.blocking(index, turns_from_light(center, frame.up), log_distance)
                 });
                 let azimuth_rad = bearing.azimuth_rad;

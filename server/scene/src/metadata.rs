@@ -1,7 +1,9 @@
 //! The metadata of a scene: `metadata.json`, and the answer of the scenes resource.
 
 use crate::scene_id::SceneId;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
 /// A stored scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +56,23 @@ pub fn is_within([west, south, east, north]: [f64; 4], latitude_deg: f64, longit
         longitude_deg >= west || longitude_deg <= east
     };
     is_between && (south..=north).contains(&latitude_deg)
+}
+
+/// Whether a direction lies within bounds in degrees, as for [`is_within`], or not farther than so many metres from them.
+pub(crate) fn is_within_margin(
+    [west, south, east, north]: [f64; 4],
+    direction: DVec3,
+    margin_m: f64,
+) -> bool {
+    let place = GeoPoint::from_vector(direction);
+    let margin_deg = (margin_m / EARTH_RADIUS_M).to_degrees();
+    let highest_deg = place.latitude_deg().abs() + margin_deg;
+    // Meridians converge: around a pole the margin is all of them.
+    let along_deg = if highest_deg < 89.0 { margin_deg / highest_deg.to_radians().cos() } else { 180.0 };
+    let span_deg = if west <= east { east - west } else { east - west + 360.0 };
+    let from_west_deg = (place.longitude_deg() - (west - along_deg)).rem_euclid(360.0);
+    let is_between = span_deg + 2.0 * along_deg >= 360.0 || from_west_deg <= span_deg + 2.0 * along_deg;
+    is_between && (south - margin_deg..=north + margin_deg).contains(&place.latitude_deg())
 }
 
 /// The raster's own grid.

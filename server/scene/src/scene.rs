@@ -1,27 +1,26 @@
 //! An opened scene: all queries on the light and the terrain of a region.
 
+mod place_sums;
+mod rasters;
+mod skylines;
+
+pub use place_sums::SumWay;
+pub use skylines::Prepared;
+
 use crate::blocked_sources;
 use crate::changes::{Base, ChangeError, ChangeStep, ChangeSummary};
-use crate::convolution::{self, Convolution};
 use crate::coverage;
-use crate::dual_tree;
-use crate::dual_tree::{
-    Accumulator, PatchStore, PlaceLattice, PlaceValues, PlaceWindow, Sources, Stage, SumOf,
-};
-use crate::error::SceneError;
 use crate::gather;
-use crate::geotiff::{self, RasterError, RasterMetadata};
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::light_layer::{LightLayer, by_fixture};
 use crate::light_shares::{LightShares, ShareCollector};
 use crate::light_tree::{FAR_BLOCK_RATIO, LightTree, NO_BLOCKS};
-use crate::map_tile::{PixelValues, RasterTile, SampledRasters, TileAddress, TileLayer};
 use crate::mask::ValidMask;
 use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::morton;
-use crate::place_kernel::PlaceKernel;
 use crate::polar_grid::PolarGrid;
+use crate::skyline_view::SkylineView;
 use crate::terrain::{GroundLine, Terrain};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
@@ -29,23 +28,7 @@ use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
 use skyglow_physics::{BlockedSource, Fixture, GeoPoint, Horizon, Slope, SourcePixel};
 use std::sync::Arc;
 
-/// Numbers of what convolutions store begin here, and those of patches of what skylines take, so that they are none of the dual
-/// tree's.
-const STRIPS: u64 = 1 << 46;
-const HIDDEN_PATCHES: u64 = 1 << 47;
-/// The part of the time that convolutions take where there are skylines, about.
-const CONVOLUTION_PART: f64 = 0.3;
-
-/// How the lights at all places of a lattice are summed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SumWay {
-    /// By the dual tree: at any places, and behind skylines.
-    DualTree,
-    /// By convolution where that can be, what skylines take by the dual tree; else all by that.
-    Convolution,
-}
-
-/// A scene in memory. It needs neither its files nor GDAL to answer queries. A clone shares everything but its metadata.
+/// A scene in memory. It needs no GDAL to answer queries, and of its files those that are too large to be read whole. A clone shares everything but its metadata.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) metadata: SceneMetadata,
@@ -170,13 +153,15 @@ impl Scene {
         far_block_ratio: f64,
     ) -> PolarGrid {
         let layers: Vec<&LightLayer> = self.light_layers.iter().collect();
-        self.polar_grid_of(&layers, place, terrain_hides, far_block_ratio)
+        let view = self.view_from(place, terrain_hides, far_block_ratio);
+        self.polar_grid_of(&layers, place, terrain_hides.then_some(view.as_ref()), far_block_ratio)
     }
 
     /// [`Self::polar_grid`] for each kind of fixture, that of the raster's own lights first, be there light or not.
     pub fn polar_grids(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, PolarGrid)> {
-        let polar =
-            |layers: &[&LightLayer]| self.polar_grid_of(layers, place, terrain_hides, FAR_BLOCK_RATIO);
+        let view = self.view_from(place, terrain_hides, FAR_BLOCK_RATIO);
+        let hides = terrain_hides.then_some(view.as_ref());
+        let polar = |layers: &[&LightLayer]| self.polar_grid_of(layers, place, hides, FAR_BLOCK_RATIO);
         by_fixture(&self.light_layers, polar)
     }
 
@@ -185,27 +170,29 @@ impl Scene {
         by_fixture(&self.light_layers, |_| ()).into_iter().map(|(fixture, ())| fixture).collect()
     }
 
+    /// * `hides`: None where nothing hides light; else the skylines that are made by tile, where they are.
     fn polar_grid_of(
         &self,
         layers: &[&LightLayer],
         place: GeoPoint,
-        terrain_hides: bool,
+        hides: Option<Option<&SkylineView>>,
         far_block_ratio: f64,
     ) -> PolarGrid {
-        let lights: Vec<LightTree> = layers
-            .iter()
-            .map(|layer| layer.light(&self.grid, self.metadata.calibration, terrain_hides))
-            .collect();
+        let calibration = self.metadata.calibration;
+        let lights: Vec<LightTree> =
+            layers.iter().map(|layer| layer.light(&self.grid, calibration, hides)).collect();
         gather::polar_grid(&lights, place, far_block_ratio, self.coverage(place))
     }
 
     /// The same with every pixel by itself, and where the light of each went.
     pub fn light_shares(&self, place: GeoPoint, terrain_hides: bool) -> Vec<(Fixture, LightShares)> {
         let frame = LocalFrame::at(place);
+        let view = self.view_from(place, terrain_hides, NO_BLOCKS);
         by_fixture(&self.light_layers, |layers| {
             let mut collector = ShareCollector::new();
             for layer in layers {
-                let light = layer.light(&self.grid, self.metadata.calibration, terrain_hides);
+                let hides = terrain_hides.then_some(view.as_ref());
+                let light = layer.light(&self.grid, self.metadata.calibration, hides);
                 light.gather(&frame, NO_BLOCKS, &mut collector);
             }
             collector.finish(place, &frame, self.coverage(place), |number| {
@@ -319,7 +306,7 @@ impl Scene {
         let frame = LocalFrame::at(place);
         by_fixture(&self.light_layers, |layers| {
             let calibration = self.metadata.calibration;
-            let lights = layers.iter().map(|layer| layer.light(&self.grid, calibration, false));
+            let lights = layers.iter().map(|layer| layer.open_light(&self.grid, calibration));
             lights.flat_map(|light| light.pixels_within(&frame, radius_m)).collect()
         })
     }
@@ -342,238 +329,6 @@ impl Scene {
         pixels
             .map(|(fixture, pixels)| (fixture, blocked_sources::of_pixels(&self.terrain, &pixels, place)))
             .collect()
-    }
-
-    /// A Web-Mercator tile of numbers, `size_px` × `size_px` (1..=1024), row 0 in the north.
-    ///
-    /// # Errors
-    /// [`SceneError::InvalidTile`] beyond zoom 24, off the world or of another size.
-    pub fn tile(
-        &self,
-        layer: TileLayer,
-        z: u8,
-        x: u32,
-        y: u32,
-        size_px: u32,
-    ) -> Result<RasterTile, SceneError> {
-        self.sampled_rasters().tile(layer, TileAddress { z, x, y, size_px })
-    }
-
-    /// [`Self::tile`] of values of lit pixels.
-    ///
-    /// # Errors
-    /// As [`Self::tile`].
-    pub fn pixels_tile(
-        &self,
-        values: &PixelValues,
-        z: u8,
-        x: u32,
-        y: u32,
-        size_px: u32,
-    ) -> Result<RasterTile, SceneError> {
-        self.sampled_rasters().pixels_tile(values, TileAddress { z, x, y, size_px })
-    }
-
-    /// [`Self::tile`] of values of places.
-    ///
-    /// # Errors
-    /// As [`Self::tile`].
-    pub fn places_tile(
-        &self,
-        places: &PlaceValues,
-        z: u8,
-        x: u32,
-        y: u32,
-        size_px: u32,
-    ) -> Result<RasterTile, SceneError> {
-        self.sampled_rasters().places_tile(places, TileAddress { z, x, y, size_px })
-    }
-
-    /// The value at any place from those of a lattice, the mean over a width in metres; None off the raster and where there is none.
-    pub fn value_at(&self, places: &PlaceValues, place: GeoPoint, width_m: f64) -> Option<f64> {
-        let (x, y) = self.grid.position_of(place)?;
-        places.at(x, y, width_m / self.metadata.pixel_size_m)
-    }
-
-    /// A layer at every place of a lattice: the mean radiance of the pixels of its block, the elevation at its middle; NaN
-    /// without data.
-    pub fn layer_at_places(&self, layer: TileLayer, lattice: PlaceLattice) -> Option<PlaceValues> {
-        self.sampled_rasters().at_places(layer, lattice)
-    }
-
-    fn sampled_rasters(&self) -> SampledRasters<'_> {
-        SampledRasters {
-            grid: &self.grid,
-            mask: &self.mask,
-            pixel_size_m: self.metadata.pixel_size_m,
-            light_layers: &self.light_layers,
-            terrain: &self.terrain,
-        }
-    }
-
-    /// Numbers of lit pixels as a GeoTIFF, as [`Self::codes_geotiff`]; those of lights that share a pixel are added up.
-    ///
-    /// * `numbers`: of lit pixels ([`Self::column_and_row`]); `values` in parallel.
-    ///
-    /// # Errors
-    /// [`RasterError`], only by a defect or for want of memory.
-    pub fn pixels_geotiff(
-        &self,
-        numbers: &[u32],
-        values: &[f32],
-        metadata: &RasterMetadata<'_>,
-    ) -> Result<Vec<u8>, RasterError> {
-        let codes = numbers.iter().map(|&number| self.code(number));
-        let mut pixels: Vec<(u64, f32)> = codes.zip(values.iter().copied()).collect();
-        pixels.sort_by_key(|pixel| pixel.0);
-        pixels.dedup_by(|next, first| {
-            let is_same = next.0 == first.0;
-            first.1 += if is_same { next.1 } else { 0.0 };
-            is_same
-        });
-        self.codes_geotiff(&pixels, metadata)
-    }
-
-    /// Numbers of pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all other
-    /// pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
-    ///
-    /// * `pixels`: codes ([`Self::pixel_code`]), ascending, each with its number.
-    ///
-    /// # Errors
-    /// [`RasterError`], only by a defect or for want of memory.
-    pub fn codes_geotiff(
-        &self,
-        pixels: &[(u64, f32)],
-        metadata: &RasterMetadata<'_>,
-    ) -> Result<Vec<u8>, RasterError> {
-        geotiff::of_pixels(&self.metadata.grid, pixels, metadata)
-    }
-
-    /// Numbers of places as a cloud-optimized GeoTIFF in the scene's CRS: one float32 band, deflated, with overviews; NaN is no data.
-    ///
-    /// # Errors
-    /// [`RasterError`], only by a defect or for want of memory.
-    pub fn places_geotiff(
-        &self,
-        places: &PlaceValues,
-        metadata: &RasterMetadata<'_>,
-    ) -> Result<Vec<u8>, RasterError> {
-        geotiff::of_places(&self.metadata.grid, places, metadata)
-    }
-
-    /// A place for each pixel, or for blocks of them where that would be more than `max_places`.
-    pub fn place_lattice(&self, max_places: usize) -> PlaceLattice {
-        PlaceLattice::within(self.grid.width, self.grid.height, max_places)
-    }
-
-    /// The same for the part of the raster within reach of a place, with about `step_m` from one place to the next, or more where
-    /// those would be more than 40 000; None where the place is off the raster.
-    pub fn place_window(&self, place: GeoPoint, reach_m: f64, step_m: f64) -> Option<PlaceLattice> {
-        PlaceLattice::around(&self.grid, place, reach_m, step_m)
-    }
-
-    /// The part of a lattice within bounds; None where none of its places lies there.
-    ///
-    /// * `bounds`: west, south, east, north, degrees; west of east beyond the antimeridian.
-    pub fn places_within(&self, lattice: PlaceLattice, bounds: [f64; 4]) -> Option<PlaceWindow> {
-        PlaceWindow::within(lattice, &self.grid, bounds)
-    }
-
-    /// A place of a lattice by its column and row.
-    pub fn lattice_place(&self, lattice: PlaceLattice, column: u32, row: u32) -> GeoPoint {
-        GeoPoint::from_vector(lattice.point(&self.grid, f64::from(column), f64::from(row)))
-    }
-
-    /// GDAL's six coefficients of a raster with a pixel for each place of a lattice.
-    pub fn lattice_geotransform(&self, lattice: PlaceLattice) -> [f64; 6] {
-        lattice.geotransform(self.metadata.grid.geotransform)
-    }
-
-    /// Columns and rows of a lattice that [`Self::sum_at_places`] finds together: windows that are made of whole ones cost no more
-    /// than their share of the whole lattice.
-    pub fn patch_size(&self, lattice: PlaceLattice) -> [u32; 2] {
-        let side = dual_tree::root_side(lattice, self.place_step_m(lattice));
-        let convolves = self.way_to_sum(lattice) == SumWay::Convolution
-            && Convolution::new(&self.grid, &[], lattice, &[]).is_some();
-        match convolves {
-            true => [lattice.columns, convolution::strip_rows(lattice).max(side)],
-            false => [side; 2],
-        }
-    }
-
-    /// Metres from one place of a lattice to the next.
-    fn place_step_m(&self, lattice: PlaceLattice) -> f64 {
-        self.metadata.pixel_size_m.max(1.0) * f64::from(lattice.step)
-    }
-
-    /// Altitude of the ground at every place of a lattice, metres above sea level, at least 0, row by row from the north; NaN off
-    /// the world.
-    pub fn ground_altitudes_m(&self, lattice: PlaceLattice) -> Vec<f32> {
-        dual_tree::ground_altitudes_m(lattice, &self.grid, &self.terrain)
-    }
-
-    /// The sum over the lights within 300 km at every place of a lattice, row by row from the north; NaN where the altitude is.
-    ///
-    /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
-    /// * `kernels`: of each of [`Self::fixtures`].
-    /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
-    /// * `way`: how they are summed; [`Self::way_to_sum`] says which is the shorter.
-    /// * `store`: may know patches from before, is given each that is done, and may cancel the computation.
-    ///
-    /// None where it was cancelled.
-    ///
-    /// # Panics
-    /// Where altitudes or kernels do not fit lattice or fixtures.
-    pub fn sum_at_places(
-        &self,
-        lattice: PlaceLattice,
-        altitudes_m: &[f32],
-        kernels: &[PlaceKernel],
-        terrain_hides: bool,
-        way: SumWay,
-        store: &dyn PatchStore,
-    ) -> Option<Vec<f32>> {
-        assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
-        let fixtures = self.fixtures();
-        assert_eq!(fixtures.len(), kernels.len(), "a kernel for each kind of fixture");
-        let layers: Vec<(LightTree<'_>, &PlaceKernel)> = (self.light_layers.iter())
-            .filter_map(|layer| {
-                let kind = fixtures.iter().position(|fixture| *fixture == layer.fixture)?;
-                let hides = terrain_hides && kernels[kind].knows_skylines();
-                Some((layer.light(&self.grid, self.metadata.calibration, hides), &kernels[kind]))
-            })
-            .collect();
-        let step_m = self.place_step_m(lattice);
-        let tree = |sum: SumOf, store: &dyn PatchStore| {
-            let sources = Sources { grid: &self.grid, layers: &layers, sum };
-            dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
-        };
-        let convolution = Convolution::new(&self.grid, &layers, lattice, altitudes_m);
-        let (SumWay::Convolution, Some(convolution)) = (way, convolution) else {
-            return tree(SumOf::All, store);
-        };
-        let stage =
-            |first_number: u64, begin: f64, end: f64| Stage { store, first_number, progress: [begin, end] };
-        if layers.iter().all(|(light, _)| light.skylines.is_none()) {
-            return convolution.sum(&stage(STRIPS, 0.0, 1.0));
-        }
-        // Under an open sky, and of that what skylines take.
-        let open = convolution.sum(&stage(STRIPS, 0.0, CONVOLUTION_PART))?;
-        let hidden = tree(SumOf::Hidden, &stage(HIDDEN_PATCHES, CONVOLUTION_PART, 1.0))?;
-        Some(open.iter().zip(hidden).map(|(open, hidden)| (open + hidden).max(0.0 * open)).collect())
-    }
-
-    /// The way in which the lights at the places of a lattice are summed sooner, by an estimate: convolutions take as long whether
-    /// there is light or not, the dual tree takes longer the more pixels are lit near a place.
-    pub fn way_to_sum(&self, lattice: PlaceLattice) -> SumWay {
-        let lit_pixels = self.light_layers.iter().map(LightLayer::len).sum::<usize>() as f64;
-        let pixels = f64::from(self.grid.width) * f64::from(self.grid.height);
-        let range_m =
-            self.light_altitude_range_m().map_or(0.0, |[lowest, highest]| f64::from(highest - lowest));
-        let places = lattice.len() as f64;
-        let tree_us = places * (2.0 + 50.0 * lit_pixels / pixels);
-        let convolution_us = places * (1.0 + (range_m / 250.0).min(8.0)) + lit_pixels + 0.02 * pixels;
-        if convolution_us < tree_us { SumWay::Convolution } else { SumWay::DualTree }
     }
 
     /// The code of a pixel in [`PixelFactors`](crate::PixelFactors).

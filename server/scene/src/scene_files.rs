@@ -10,8 +10,13 @@ pub(crate) const LIGHT_FILE: &str = "light.bin";
 pub(crate) const TERRAIN_FILE: &str = "terrain.bin";
 pub(crate) const PLACES_FILE: &str = "places.json";
 pub(crate) const SKYLINES_FILE: &str = "skylines.bin";
-/// Counts up with every change of the format. Format 2 has the horizon profiles of lights where there is terrain.
-const FORMAT: u32 = 2;
+/// The folder of skylines that are made by tile, and of nothing else.
+pub(crate) const TILES_FOLDER: &str = "skylines";
+/// Counts up with every change of the format. Format 2 has the horizon profiles of lights where there is terrain; scenes of format 3
+/// have them made by tile.
+const FORMAT: u32 = 3;
+/// That of scenes with nothing that is new since.
+const PLAIN_FORMAT: u32 = 2;
 /// The oldest format that is still read.
 const MIN_FORMAT: u32 = 1;
 
@@ -46,11 +51,17 @@ impl StoredFile {
         self.check_hash(content.len() as u64, blake3::hash(content))
     }
 
+    /// Whether it is as long as what was written.
+    pub(crate) fn check_length(&self, bytes: u64) -> Result<(), Flaw> {
+        match bytes == self.bytes {
+            true => Ok(()),
+            false => Err(format!("has {bytes} bytes where {} were written", self.bytes)),
+        }
+    }
+
     /// The same of content of this length and hash.
     pub(crate) fn check_hash(&self, bytes: u64, hash: blake3::Hash) -> Result<(), Flaw> {
-        if bytes != self.bytes {
-            return Err(format!("has {bytes} bytes where {} were written", self.bytes));
-        }
+        self.check_length(bytes)?;
         if hash.to_hex().as_str() != self.blake3 {
             return Err("was altered (its checksum is wrong)".to_owned());
         }
@@ -61,9 +72,16 @@ impl StoredFile {
 impl StoredScene {
     /// In the current format; fills in the version.
     pub(crate) fn new(metadata: SceneMetadata, files: Vec<StoredFile>) -> Result<Self, serde_json::Error> {
-        let mut stored = Self { format: FORMAT, metadata, files };
+        let has_tiles = metadata.light_skylines && !files.iter().any(|file| file.name == SKYLINES_FILE);
+        let format = if has_tiles { FORMAT } else { PLAIN_FORMAT };
+        let mut stored = Self { format, metadata, files };
         stored.metadata.version = stored.version()?;
         Ok(stored)
+    }
+
+    /// Whether the skylines of its lights are made by tile.
+    pub(crate) fn has_skyline_tiles(&self) -> bool {
+        self.format > PLAIN_FORMAT && self.metadata.light_skylines
     }
 
     /// Hash over everything but the version itself.

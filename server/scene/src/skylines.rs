@@ -62,6 +62,33 @@ fn steps(codes: &[u8; DISTANCE_COUNT]) -> [u8; DISTANCE_COUNT] {
     steps
 }
 
+/// The skyline of a block: the mean of those of its children, weighted by their flux.
+///
+/// * `skyline`: of a child by its index; None under an open sky.
+pub(crate) fn mean(
+    children: Range<usize>,
+    skyline: impl Fn(usize) -> Option<Skyline>,
+    flux_dnb_w: impl Fn(usize) -> f64,
+) -> Skyline {
+    let mut sums = [[0f32; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
+    let (mut total, mut is_open) = (0.0, true);
+    for child in children {
+        let flux = flux_dnb_w(child);
+        total += flux;
+        if let Some(skyline) = skyline(child) {
+            is_open = false;
+            let codes = skyline.iter().flatten();
+            sums.iter_mut().flatten().zip(codes).for_each(|(sum, &code)| {
+                *sum += flux as f32 * f32::from(code);
+            });
+        }
+    }
+    if is_open {
+        return Skyline::default();
+    }
+    sums.map(|column| column.map(|sum| (sum / total as f32 + 0.5) as u8))
+}
+
 impl Skylines {
     /// Adds the next light's.
     pub(crate) fn push(&mut self, skyline: &Skyline) {
@@ -132,29 +159,18 @@ impl Skylines {
         flux_dnb_w: impl Fn(usize) -> f64 + Sync,
     ) -> Self {
         let of_block = |block: usize| {
-            let children = children(block);
-            if children.clone().all(|child| self.is_open(child)) {
-                return Skyline::default();
-            }
-            let mut sums = [[0f32; DISTANCE_COUNT]; SKYLINE_AZIMUTH_COUNT];
-            let mut total = 0.0;
-            for child in children {
-                let flux = flux_dnb_w(child);
-                total += flux;
-                if !self.is_open(child) {
-                    let skyline = self.skyline(child);
-                    let codes = skyline.iter().flatten();
-                    sums.iter_mut().flatten().zip(codes).for_each(|(sum, &code)| {
-                        *sum += flux as f32 * f32::from(code);
-                    });
-                }
-            }
-            sums.map(|column| column.map(|sum| (sum / total as f32 + 0.5) as u8))
+            let known = |child: usize| (!self.is_open(child)).then(|| self.skyline(child));
+            mean(children(block), known, &flux_dnb_w)
         };
         let skylines: Vec<Skyline> = (0..block_count).into_par_iter().map(of_block).collect();
         let mut above = Self::default();
         skylines.iter().for_each(|skyline| above.push(skyline));
         above
+    }
+
+    /// Bytes of memory that it takes, about.
+    pub(crate) fn byte_count(&self) -> usize {
+        self.at.len() * size_of::<u32>() + self.blocked_count() * size_of::<Skyline>()
     }
 
     /// The sections to store.

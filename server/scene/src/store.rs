@@ -3,6 +3,10 @@
 //!
 //! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
 //! when a scene is opened. A scene appears by one rename, so it is complete or absent.
+//!
+//! Of large terrain the packed tiles stay in the file: what is read when the scene is opened has a hash of its own, and each tile a
+//! checksum. The folder `skylines` has what was found since: skylines that are made by tile (`skyline_tiles.rs`). It is not listed, and
+//! what is damaged in it is made again.
 
 use crate::error::SceneError;
 use crate::grid::Grid;
@@ -13,13 +17,17 @@ use crate::mask::ValidMask;
 use crate::memory::LightCount;
 use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::scene::Scene;
-use crate::scene_files::{LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE};
+use crate::scene_files::{
+    LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE, TILES_FOLDER,
+};
 use crate::scene_id::SceneId;
 use crate::scene_writer;
-use crate::sections::{Flaw, Sections, unpack_ascending};
+use crate::sections::{Flaw, Inside, Sections, unpack_ascending};
+use crate::skyline_tiles::SkylineTiles;
 use crate::skylines::Skylines;
 use crate::staging::{self, Staging};
 use crate::terrain::Terrain;
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -271,10 +279,14 @@ impl SceneStore {
             read_light(&parsed).map_err(damaged(id, LIGHT_FILE))?
         };
         let mut terrain = Terrain::default();
-        if let Some(bytes) = read(TERRAIN_FILE)? {
+        let large = read_inside(id, &stored, &dir.join(TERRAIN_FILE))?;
+        if let Some((file, inside)) = large {
+            terrain =
+                Terrain::from_sections(&inside.sections(), Some(&file)).map_err(damaged(id, TERRAIN_FILE))?;
+        } else if let Some(bytes) = read(TERRAIN_FILE)? {
             let parsed = Sections::parse(&bytes).map_err(damaged(id, TERRAIN_FILE))?;
             check(parsed.unpacked_bytes())?;
-            terrain = Terrain::from_sections(&parsed).map_err(damaged(id, TERRAIN_FILE))?;
+            terrain = Terrain::from_sections(&parsed, None).map_err(damaged(id, TERRAIN_FILE))?;
         }
         let mut skylines = None;
         if let Some(bytes) = read(SKYLINES_FILE)? {
@@ -282,7 +294,7 @@ impl SceneStore {
             check(parsed.unpacked_bytes())?;
             let parsed = Skylines::from_sections(&parsed, light.pixels.len());
             skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
-        } else if stored.metadata.light_skylines {
+        } else if stored.metadata.light_skylines && !stored.has_skyline_tiles() {
             return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
         }
         let mut places: Vec<NamedPlace> = Vec::new();
@@ -293,7 +305,10 @@ impl SceneStore {
         let StoredLight { grid, mask, pixels } = light;
         let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
         check(LightCount::of_codes(&pixels.codes, with_skylines).scene_bytes())?;
-        let lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
+        let mut lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
+        if stored.has_skyline_tiles() {
+            lights = lights.with_tiles(SkylineTiles::new(dir.join(TILES_FOLDER), &stored.metadata.version));
+        }
         Ok(Scene {
             metadata: stored.metadata,
             grid: Arc::new(grid),
@@ -303,6 +318,27 @@ impl SceneStore {
             places: places.into(),
         })
     }
+}
+
+/// A file of sections without those that stay in it; None where none does, and where there is no file. What is read is checked, and
+/// the length of the file; its hash by [`SceneStore::verify`] alone.
+fn read_inside(
+    id: &SceneId,
+    stored: &StoredScene,
+    path: &Path,
+) -> Result<Option<(File, Inside)>, SceneError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let Some(listed) = stored.files.iter().find(|file| *file.name == *name) else { return Ok(None) };
+    let file = match File::open(path) {
+        Ok(file) => file,
+        // Whoever reads it whole says what is wrong.
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(SceneError::io(path)(error)),
+    };
+    let bytes = file.metadata().map_err(SceneError::io(path))?.len();
+    listed.check_length(bytes).map_err(damaged(id, &name))?;
+    let inside = Inside::read(&file).map_err(SceneError::io(path))?.map_err(damaged(id, &name))?;
+    Ok(inside.map(|inside| (file, inside)))
 }
 
 fn damaged(id: &SceneId, file: &str) -> impl FnOnce(Flaw) -> SceneError {

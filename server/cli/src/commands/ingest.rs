@@ -9,7 +9,9 @@ use crate::{
     table::aligned,
 };
 use clap::{Args, builder::BoolishValueParser};
-use skyglow_scene::{IngestOptions, NoisePolicy, RadianceUnit, SceneError, SceneId, SceneStore, ingest};
+use skyglow_scene::{
+    IngestOptions, NoisePolicy, RadianceUnit, SceneError, SceneId, SceneStore, SkylineTime, ingest,
+};
 use std::path::PathBuf;
 
 /// Check radiance rasters and store them as a scene
@@ -90,6 +92,10 @@ pub(crate) struct Ingest {
     /// Noise around zero: balance (negative values take their part from the faintest pixels around them) or cut [default: balance]
     #[arg(long, env = "SKYGLOW_NOISE", value_name = "HOW", value_parser = NoisePolicy::parse)]
     noise: Option<NoisePolicy>,
+    /// When it is found what terrain hides of each light: ingest, or need (where a place first needs it, or by `skyglow prepare`)
+    /// [default: ingest, and need beyond 500 000 lights]
+    #[arg(long, env = "SKYGLOW_SKYLINES", value_name = "WHEN", value_parser = SkylineTime::parse)]
+    skylines: Option<SkylineTime>,
     /// Unit of the terrain, such as m or ft [default: what each file says, else m]
     #[arg(long, env = "SKYGLOW_TERRAIN_UNITS", value_name = "UNIT")]
     terrain_units: Option<String>,
@@ -136,6 +142,7 @@ impl Ingest {
             min_observations: self.min_observations,
             observation_files: self.observation_files,
             noise: self.noise.unwrap_or_default(),
+            skylines: self.skylines,
             terrain_units: self.terrain_units,
             calibration: self.calibration,
             replace: self.replace,

@@ -15,6 +15,7 @@ mod packs;
 mod panorama;
 mod plan;
 mod precompute;
+mod prepare;
 mod reference;
 mod scenario;
 mod scenes;
@@ -31,6 +32,7 @@ use clap::Subcommand;
 pub(crate) enum Command {
     Serve(Box<serve::Serve>),
     Ingest(Box<ingest::Ingest>),
+    Prepare(prepare::Prepare),
     Scenes(scenes::Scenes),
     Precompute(precompute::Precompute),
     Packs(packs::Packs),
@@ -59,6 +61,7 @@ impl Command {
         match self {
             Command::Serve(command) => command.run(),
             Command::Ingest(command) => command.run(),
+            Command::Prepare(command) => command.run(),
             Command::Scenes(command) => command.run(),
             Command::Precompute(command) => command.run(),
             Command::Packs(command) => command.run(),

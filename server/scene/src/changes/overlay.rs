@@ -9,6 +9,7 @@ use crate::mask::ValidMask;
 use crate::morton;
 use crate::removed_lights::RemovedLights;
 use crate::skyline_of_light::skyline_of_light;
+use crate::skyline_tiles::TileGround;
 use crate::skylines::{Skyline, Skylines};
 use crate::terrain::Terrain;
 use rayon::prelude::*;
@@ -44,13 +45,17 @@ pub(crate) struct Base<'a> {
 }
 
 impl Base<'_> {
+    fn tile_ground(&self) -> TileGround<'_> {
+        self.layer.lights.tile_ground(self.grid, self.terrain, self.calibration)
+    }
+
     /// The layers of lights of the scene with changes, one step after the other.
     pub(crate) fn changed(
         &self,
         steps: &[ChangeStep],
     ) -> Result<(Vec<LightLayer>, ChangeSummary), ChangeError> {
-        let light = self.layer.light(self.grid, self.calibration, false);
-        let mut canvas = Canvas::new(self.grid, self.mask, light, self.layer.lights.skylines.is_some());
+        let light = self.layer.open_light(self.grid, self.calibration);
+        let mut canvas = Canvas::new(self.grid, self.mask, light, self.layer.lights.knows_skylines());
         let mut summary = ChangeSummary::default();
         for step in steps {
             match step {
@@ -113,9 +118,9 @@ impl Base<'_> {
             let altitude_m = self.terrain.ground(place).altitude_m() as f32;
             let pixel =
                 LitPixels { codes: vec![*code], radiance_nw_cm2_sr: vec![1.0], altitude_m: vec![altitude_m] };
-            let skyline = match base.skylines {
-                Some(_) => skyline_of_light(self.terrain, self.grid, &pixel, 0),
-                None => Skyline::default(),
+            let skyline = match base.knows_skylines() {
+                true => skyline_of_light(self.terrain, self.grid, &pixel, 0),
+                false => Skyline::default(),
             };
             (*code, (altitude_m, skyline))
         };
@@ -147,10 +152,15 @@ impl Base<'_> {
             radiance_nw_cm2_sr: lights.iter().map(|light| light.1).collect(),
             altitude_m: lights.iter().map(altitude_m).collect(),
         };
-        let skylines = base.skylines.as_ref().map(|known| {
+        let known = |index: usize| match (&base.skylines, &base.tiles) {
+            (Some(known), _) => known.skyline(index),
+            (None, Some(tiles)) => tiles.skyline(&self.tile_ground(), index),
+            (None, None) => Skyline::default(),
+        };
+        let skylines = base.knows_skylines().then(|| {
             let mut skylines = Skylines::default();
             for (code, _, index) in lights {
-                skylines.push(&index.map_or_else(|| site(*code).1, |index| known.skyline(index)));
+                skylines.push(&index.map_or_else(|| site(*code).1, known));
             }
             skylines
         });

@@ -181,9 +181,9 @@ impl Accumulator<'_> {
             let Some(ring) = RingPosition::of_square(node_m.distance_squared(place_m)) else {
                 continue;
             };
-            let blocking = skylines.map_or(0.0, |skylines| {
+            let blocking = skylines.map_or(0.0, |(skylines, index)| {
                 let turns = turns_from_light(cluster.direction, ground.nodes[node]);
-                skylines.blocking(candidate.index as usize, turns, ring.log_distance())
+                skylines.blocking(index, turns, ring.log_distance())
             });
             for (step, sums) in node_sums.sums.iter_mut().enumerate() {
                 let altitude = node_sums.lowest + step;

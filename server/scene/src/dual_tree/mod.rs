@@ -34,10 +34,14 @@ pub use place_values::PlaceValues;
 pub use place_window::PlaceWindow;
 pub(crate) use sources::{Sources, SumOf};
 
+use crate::grid::Grid;
+use crate::skyline_view::Disc;
 use accumulator::LEAF_SIDE_PLACES;
 use chebyshev::Interval;
 use patch::Patch;
 use rayon::prelude::*;
+use skyglow_physics::EARTH_RADIUS_M;
+use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Longest side of a root patch, metres. The work is divided by root patches.
@@ -49,13 +53,7 @@ pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Opti
     let lattice = accumulator.lattice;
     let candidates = accumulator.sources.roots();
     let side = root_side(lattice, accumulator.step_m);
-    let intervals = |count: u32| {
-        let last = move |first: u32| (first + side - 1).min(count - 1);
-        (0..count).step_by(side as usize).map(move |first| Interval { first, last: last(first) })
-    };
-    let patches: Vec<Patch> = intervals(lattice.rows)
-        .flat_map(|rows| intervals(lattice.columns).map(move |columns| Patch { columns, rows }))
-        .collect();
+    let patches = root_patches(lattice, side);
     let places_done = AtomicUsize::new(0);
     let is_cancelled = AtomicBool::new(false);
     let of_patch = |(number, patch): (usize, &Patch)| {
@@ -86,6 +84,39 @@ pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Opti
         patch.write(&sums?, whole, &mut all);
     }
     Some(all)
+}
+
+/// The lights that reach the root patches that a store wants: discs around these.
+pub(crate) fn wanted_discs(
+    lattice: PlaceLattice,
+    grid: &Grid,
+    step_m: f64,
+    store: &dyn PatchStore,
+) -> Vec<Disc> {
+    let side = root_side(lattice, step_m);
+    let wanted = root_patches(lattice, side).into_iter().filter(|patch| store.wants(&patch.window()));
+    let disc = |patch: Patch| {
+        let [columns, rows] =
+            [patch.columns, patch.rows].map(|interval| [f64::from(interval.first), f64::from(interval.last)]);
+        let middle = lattice.point(grid, 0.5 * (columns[0] + columns[1]), 0.5 * (rows[0] + rows[1]));
+        let corners = columns.map(|column| rows.map(|row| lattice.point(grid, column, row)));
+        let around_m = corners.iter().flatten().map(|corner| EARTH_RADIUS_M * corner.distance(middle));
+        // A little more, as sides are curved.
+        let radius_m = MAX_SOURCE_DISTANCE_M + 1.1 * around_m.fold(step_m, f64::max);
+        middle.is_finite().then_some(Disc { middle, radius_m })
+    };
+    wanted.filter_map(disc).collect()
+}
+
+/// The patches into which a lattice is divided.
+fn root_patches(lattice: PlaceLattice, side: u32) -> Vec<Patch> {
+    let intervals = |count: u32| {
+        let last = move |first: u32| (first + side - 1).min(count - 1);
+        (0..count).step_by(side as usize).map(move |first| Interval { first, last: last(first) })
+    };
+    intervals(lattice.rows)
+        .flat_map(|rows| intervals(lattice.columns).map(move |columns| Patch { columns, rows }))
+        .collect()
 }
 
 /// Places along a side of a root patch: a power of two times [`LEAF_SIDE_PLACES`].

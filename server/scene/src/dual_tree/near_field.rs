@@ -87,9 +87,8 @@ impl NearSource {
         let turns = skylines.map_or(0.0, |_| turns_from_light(self.direction, observer.direction));
         let (below, up) = kernel.altitudes().position(observer.altitude_m);
         let one = |ring: RingPosition| {
-            let blocking = skylines.map_or(0.0, |skylines| {
-                skylines.blocking(candidate.index as usize, turns, ring.log_distance()) as f32
-            });
+            let blocking = skylines
+                .map_or(0.0, |(skylines, index)| skylines.blocking(index, turns, ring.log_distance()) as f32);
             let [low, high] =
                 [below, below + 1].map(|node| sources.sum.at(kernel, node, ring, offset_m, blocking));
             low + up * (high - low)

@@ -35,6 +35,41 @@ impl NoisePolicy {
     }
 }
 
+/// When it is found what terrain hides of each light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SkylineTime {
+    /// At ingest, for all lights.
+    Ingest,
+    /// When a place first needs it, for the lights around that place; then it is kept.
+    Need,
+}
+
+impl SkylineTime {
+    /// With more lights they are found when they are needed, if nobody says otherwise.
+    const MAX_LIGHTS_AT_INGEST: usize = 500_000;
+
+    /// From the command line's spelling, `ingest` or `need`.
+    ///
+    /// # Errors
+    /// [`SceneError::InvalidOption`].
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        match text {
+            "ingest" => Ok(Self::Ingest),
+            "need" => Ok(Self::Need),
+            _ => Err(SceneError::InvalidOption {
+                option: "--skylines",
+                reason: format!("\"{text}\" is neither ingest nor need"),
+            }),
+        }
+    }
+
+    /// What is done where nobody says.
+    pub(super) fn of_lights(lights: usize) -> Self {
+        if lights > Self::MAX_LIGHTS_AT_INGEST { Self::Need } else { Self::Ingest }
+    }
+}
+
 /// The options of `skyglow ingest`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct IngestOptions {
@@ -79,6 +114,9 @@ pub struct IngestOptions {
     pub observation_files: Vec<PathBuf>,
     /// What becomes of noise around zero.
     pub noise: NoisePolicy,
+    /// When skylines of lights are found; None: when they are needed where there are very many lights, else at ingest.
+    #[serde(default)]
+    pub skylines: Option<SkylineTime>,
     /// Unit of the terrain, such as `m` or `ft`; by default what each file says, and metres where it says nothing.
     pub terrain_units: Option<String>,
     /// Factor on the radiances wherever flux is made of them; 1 by default.

@@ -8,6 +8,7 @@ use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, Slope};
 use std::{
     borrow::Cow,
     f64::consts::{FRAC_PI_2, PI},
+    fs::File,
 };
 
 /// Missing terrain is taken from the nearest valid sample within this, metres: under lights and observers alike.
@@ -93,9 +94,11 @@ impl Terrain {
     }
 
     /// Undoes [`Self::to_sections`].
-    pub(crate) fn from_sections(sections: &Sections<'_>) -> Result<Self, Flaw> {
+    ///
+    /// * `file`: in which large sections stay.
+    pub(crate) fn from_sections(sections: &Sections<'_>, file: Option<&File>) -> Result<Self, Flaw> {
         let count = *sections.numbers::<u32>("layers")?.first().ok_or("has no layer count")?;
-        let rasters = (0..count as usize).map(|index| TerrainRaster::from_sections(sections, index));
+        let rasters = (0..count as usize).map(|index| TerrainRaster::from_sections(sections, index, file));
         Ok(Self { rasters: rasters.collect::<Result<_, _>>()? })
     }
 }

@@ -182,7 +182,7 @@ fn maxima_are_built_lazily() {
     let made = Terrain::new(vec![layer(grid(7.0, 47.0, 50), |c, r| hills_m(c, r, 1))]);
     let sections = made.to_sections();
     let packed = crate::sections::pack(&sections).unwrap();
-    let opened = Terrain::from_sections(&crate::sections::Sections::parse(&packed).unwrap()).unwrap();
+    let opened = Terrain::from_sections(&crate::sections::Sections::parse(&packed).unwrap(), None).unwrap();
     opened.ground(place(46.8, 7.2));
     assert!(!opened.rasters[0].has_maxima());
     assert!(!opened.horizon(place(46.8, 7.2), 1000.0).is_flat());

@@ -50,8 +50,7 @@ impl MaxMipmap {
     /// * `unpacked`: the samples of a tile by its number; `None` for one without any.
     pub(super) fn new(grid: &Grid, unpacked: impl Fn(usize) -> Option<Vec<f32>> + Sync) -> Self {
         let tile_count = (grid.width as usize).div_ceil(SIDE) * (grid.height as usize).div_ceil(SIDE);
-        let blocks = |samples: u32| (samples >> BLOCK_BITS) as usize + 1;
-        let void = Level::void(blocks(grid.width), blocks(grid.height));
+        let void = Level::void(block_count(grid.width), block_count(grid.height));
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(tile_count);
         // Plain threads: a pool that steals work could come back here while this layer is being made.
         let parts: Vec<Level> = std::thread::scope(|scope| {
@@ -73,6 +72,23 @@ impl MaxMipmap {
         for part in parts {
             lowest.highest_m.iter_mut().zip(part.highest_m).for_each(|(all, one)| *all = all.max(one));
         }
+        Self::above(grid, lowest)
+    }
+
+    /// From the maxima of the lowest level, row by row; None where they are not as many as the grid has blocks.
+    pub(super) fn of_lowest(grid: &Grid, highest_m: Vec<f32>) -> Option<Self> {
+        let [width, height] = [grid.width, grid.height].map(block_count);
+        let fits = highest_m.len() == width * height && highest_m.iter().all(|height_m| !height_m.is_nan());
+        fits.then(|| Self::above(grid, Level { width, height, highest_m }))
+    }
+
+    /// The maxima of the lowest level as bytes.
+    pub(super) fn lowest_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.levels[0].highest_m)
+    }
+
+    /// The levels above the lowest.
+    fn above(grid: &Grid, lowest: Level) -> Self {
         let mut levels = vec![lowest];
         while let Some(below) = levels.last().filter(|level| level.highest_m.len() > 1) {
             levels.push(halved(below));
@@ -104,6 +120,11 @@ impl MaxMipmap {
         }
         f64::from(highest_m)
     }
+}
+
+/// Blocks of the lowest level along so many samples.
+fn block_count(samples: u32) -> usize {
+    (samples >> BLOCK_BITS) as usize + 1
 }
 
 /// Raises the blocks of all cells that the samples of a tile are corners of.

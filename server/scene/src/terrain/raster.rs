@@ -1,13 +1,14 @@
 //! One terrain raster: its grid, a mipmap pyramid (Williams 1983) of packed tiles, and a cache of unpacked ones.
 
 use super::max_mipmap::MaxMipmap;
-use super::tile::{self, SAMPLES, SIDE, TileEntry};
+use super::tile::{self, Blob, SAMPLES, SIDE, TileEntry};
 use crate::grid::Grid;
 use crate::grid_sections;
 use crate::sections::{Flaw, Sections};
 use skyglow_physics::GeoPoint;
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::fs::File;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Unpacked tiles by level and number.
@@ -15,13 +16,16 @@ type TileCache = HashMap<(usize, usize), Arc<Vec<f32>>>;
 /// Maximum number of unpacked tiles in the cache, 64 kB each.
 const MAX_CACHED_TILES: usize = 512;
 
+/// Rasters with more samples stay in their file: those of 8 192 × 8 192, and larger.
+const MAX_SAMPLES_IN_MEMORY: u64 = (1 << 26) - 1;
+
 /// One raster of elevations.
 #[derive(Debug)]
 pub(crate) struct TerrainRaster {
     grid: Grid,
     sample_size_m: f64,
     levels: Vec<LevelIndex>,
-    blob: Vec<u8>,
+    blob: Blob,
     cache: Mutex<TileCache>,
     /// Built at the first horizon query; it takes a pass over all samples.
     maxima: OnceLock<MaxMipmap>,
@@ -51,7 +55,7 @@ impl TerrainRaster {
         let tiles: usize = self.levels.iter().map(|level| level.tiles.len()).sum();
         let unpacked = tiles.min(MAX_CACHED_TILES) * SAMPLES * size_of::<f32>();
         let samples = u64::from(self.grid.width) * u64::from(self.grid.height);
-        (self.blob.len() + unpacked) as u64 + samples / 12
+        (self.blob.byte_count() + unpacked) as u64 + samples / 12
     }
 
     /// Side of a sample in the middle of the raster, metres.
@@ -108,7 +112,7 @@ impl TerrainRaster {
     /// The samples of a tile of the finest level, unpacked past the cache; `None` for one that is all void.
     fn unpacked(&self, number: usize) -> Option<Vec<f32>> {
         let entry = &self.levels[0].tiles[number];
-        if entry.length == 0 { None } else { tile::unpack(entry, &self.blob).ok() }
+        if entry.length == 0 { None } else { self.blob.unpack(entry).ok() }
     }
 
     /// The samples of a tile of the finest level, from the cache; `None` for one that is all void.
@@ -125,8 +129,9 @@ impl TerrainRaster {
         if let Some(samples) = self.lock().get(&(level, number)) {
             return Arc::clone(samples);
         }
-        // The file's checksum was verified, so a tile that does not unpack cannot be met.
-        let unpacked = tile::unpack(&self.levels[level].tiles[number], &self.blob);
+        // The checksum of a file that was read whole was verified, so that a tile that does not unpack is not met; one that stays in
+        // the file may have been altered since, and counts as void.
+        let unpacked = self.blob.unpack(&self.levels[level].tiles[number]);
         let samples = Arc::new(unpacked.unwrap_or_else(|_| vec![f32::NAN; SAMPLES]));
         let mut cache = self.lock();
         if cache.len() >= MAX_CACHED_TILES {
@@ -183,12 +188,25 @@ impl TerrainRaster {
         }
         sections
             .push((format!("levels{number}"), Cow::Owned((self.levels.len() as u32).to_le_bytes().to_vec())));
-        sections.push((format!("blob{number}"), Cow::Borrowed(&self.blob)));
+        if let Blob::Memory(blob) = &self.blob {
+            if is_large(&self.grid) {
+                sections.push((format!("highest{number}"), Cow::Borrowed(self.maxima().lowest_bytes())));
+                sections.push((format!("outside{number}"), Cow::Borrowed(blob)));
+            } else {
+                sections.push((format!("blob{number}"), Cow::Borrowed(blob)));
+            }
+        }
         sections
     }
 
     /// Undoes [`Self::to_sections`].
-    pub(super) fn from_sections(sections: &Sections<'_>, number: usize) -> Result<Self, Flaw> {
+    ///
+    /// * `file`: in which large sections stay.
+    pub(super) fn from_sections(
+        sections: &Sections<'_>,
+        number: usize,
+        file: Option<&File>,
+    ) -> Result<Self, Flaw> {
         let grid = grid_sections::from_sections(sections, &format!("{number}"))?;
         let count = *sections.numbers::<u32>(&format!("levels{number}"))?.first().ok_or("has no levels")?;
         let mut levels = Vec::new();
@@ -204,15 +222,34 @@ impl TerrainRaster {
         if levels.is_empty() {
             return Err("has no levels".to_owned());
         }
-        let blob = sections.bytes(&format!("blob{number}"))?.into_owned();
+        let name = format!("outside{number}");
+        let blob = match (sections.outside(&name), file) {
+            (Some(outside), Some(file)) => {
+                let file = file.try_clone().map_err(|error| format!("cannot be opened ({error})"))?;
+                Blob::File(file, outside.start)
+            }
+            _ => Blob::Memory(sections.bytes(&format!("blob{number}"))?.into_owned()),
+        };
+        let maxima = OnceLock::new();
+        let highest = format!("highest{number}");
+        if sections.has(&highest) {
+            let lowest = MaxMipmap::of_lowest(&grid, sections.numbers(&highest)?);
+            let _first = maxima.set(lowest.ok_or("holds bounds that do not fit its terrain")?);
+        }
         let sample_size_m = grid.pixel_size_m();
-        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), maxima: OnceLock::new() })
+        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), maxima })
     }
+}
+
+/// Whether a raster has so many samples that its tiles stay in their file: each has a checksum, and bounds are stored.
+fn is_large(grid: &Grid) -> bool {
+    u64::from(grid.width) * u64::from(grid.height) > MAX_SAMPLES_IN_MEMORY
 }
 
 /// Takes the rows of a raster from the top and packs them.
 pub(crate) struct TerrainRasterBuilder {
     layer: TerrainRaster,
+    blob: Vec<u8>,
     rows: Vec<f32>,
 }
 
@@ -224,11 +261,11 @@ impl TerrainRasterBuilder {
             grid,
             sample_size_m,
             levels: vec![level],
-            blob: Vec::new(),
+            blob: Blob::Memory(Vec::new()),
             cache: Mutex::default(),
             maxima: OnceLock::new(),
         };
-        Self { layer, rows: Vec::new() }
+        Self { layer, blob: Vec::new(), rows: Vec::new() }
     }
 
     /// Adds one row, metres; NaN is void.
@@ -246,7 +283,7 @@ impl TerrainRasterBuilder {
                 let count = SIDE.min(width - column);
                 to[..count].copy_from_slice(&from[column..column + count]);
             }
-            let entry = tile::pack(&samples, &mut self.layer.blob)?;
+            let entry = self.layer.pack_tile(&samples, &mut self.blob)?;
             self.layer.levels[0].tiles.push(entry);
         }
         self.rows.clear();
@@ -259,30 +296,46 @@ impl TerrainRasterBuilder {
             self.pack_rows()?;
         }
         let mut layer = self.layer;
+        let mut blob = self.blob;
         loop {
             let level = layer.levels.len() - 1;
             let below = &layer.levels[level];
             if below.width <= SIDE && below.height <= SIDE {
+                layer.blob = Blob::Memory(blob);
                 return Ok(layer);
             }
             let (width, height) = (below.width.div_ceil(2), below.height.div_ceil(2));
+            layer.blob = Blob::Memory(blob);
             let mut tiles = Vec::new();
             let mut fresh = Vec::new();
-            let base = layer.blob.len() as u64;
+            let base = layer.blob.byte_count() as u64;
             for row in (0..height).step_by(SIDE) {
                 for column in (0..width).step_by(SIDE) {
-                    let mut entry = tile::pack(&layer.halved(level, column, row), &mut fresh)?;
+                    let mut entry = layer.pack_tile(&layer.halved(level, column, row), &mut fresh)?;
                     entry.start += base;
                     tiles.push(entry);
                 }
             }
-            layer.blob.append(&mut fresh);
+            blob = match std::mem::replace(&mut layer.blob, Blob::Memory(Vec::new())) {
+                Blob::Memory(blob) => blob,
+                Blob::File(..) => Vec::new(),
+            };
+            blob.append(&mut fresh);
             layer.levels.push(LevelIndex { width, height, tiles });
         }
     }
 }
 
 impl TerrainRaster {
+    /// Packs a tile behind `blob`.
+    fn pack_tile(&self, samples: &[f32], blob: &mut Vec<u8>) -> Result<TileEntry, std::io::Error> {
+        let mut entry = tile::pack(samples, blob)?;
+        if is_large(&self.grid) && entry.length > 0 {
+            entry.checksum = tile::checksum(&blob[entry.start as usize..]);
+        }
+        Ok(entry)
+    }
+
     /// The tile of the next level up that starts at (column, row) there.
     fn halved(&self, level: usize, column: usize, row: usize) -> Vec<f32> {
         let mean = |i: usize| {

@@ -1,6 +1,8 @@
 //! Terrain tiles: 128 × 128 samples quantized to 16 bits above the tile's minimum, delta coded and packed with zstd.
 
 use crate::sections::Flaw;
+use std::fs::File;
+use std::os::unix::fs::FileExt;
 
 /// Samples along a side of a tile.
 pub(super) const SIDE: usize = 128;
@@ -23,8 +25,46 @@ pub(super) struct TileEntry {
     pub(super) offset_m: f32,
     /// Metres a code.
     pub(super) step_m: f32,
-    /// Zero.
-    pub(super) reserved: u32,
+    /// Checksum of the packed bytes; 0 where the checksum of the file is enough.
+    pub(super) checksum: u32,
+}
+
+/// The packed tiles of a raster.
+#[derive(Debug)]
+pub(super) enum Blob {
+    /// In memory.
+    Memory(Vec<u8>),
+    /// In a file, from a byte on: a tile is read when it is needed.
+    File(File, u64),
+}
+
+impl Blob {
+    /// Bytes of memory that it takes.
+    pub(super) fn byte_count(&self) -> usize {
+        match self {
+            Self::Memory(bytes) => bytes.len(),
+            Self::File(..) => 0,
+        }
+    }
+
+    /// The samples of a tile, metres; NaN is void.
+    pub(super) fn unpack(&self, entry: &TileEntry) -> Result<Vec<f32>, Flaw> {
+        match self {
+            Self::Memory(bytes) => unpack(entry, bytes),
+            Self::File(file, start) => {
+                let mut packed = vec![0u8; entry.length as usize];
+                let at = start.checked_add(entry.start).unwrap_or(u64::MAX);
+                file.read_exact_at(&mut packed, at).map_err(|error| format!("cannot be read ({error})"))?;
+                unpack(&TileEntry { start: 0, ..*entry }, &packed)
+            }
+        }
+    }
+}
+
+/// The checksum of packed bytes, not 0.
+pub(super) fn checksum(packed: &[u8]) -> u32 {
+    let [a, b, c, d, ..] = *blake3::hash(packed).as_bytes();
+    u32::from_le_bytes([a, b, c, d]).max(1)
 }
 
 /// Packs `samples` (NaN is void) behind `blob`.
@@ -33,7 +73,7 @@ pub(super) fn pack(samples: &[f32], blob: &mut Vec<u8>) -> Result<TileEntry, std
     let (low, high) = valid.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let start = blob.len() as u64;
     if low > high {
-        return Ok(TileEntry { start, length: 0, offset_m: 0.0, step_m: 0.0, reserved: 0 });
+        return Ok(TileEntry { start, length: 0, offset_m: 0.0, step_m: 0.0, checksum: 0 });
     }
     let step_m = STEP_M.max(f64::from(high - low) / f64::from(VOID - 1)) as f32;
     // Differences along a row pack twice as well as heights.
@@ -50,17 +90,20 @@ pub(super) fn pack(samples: &[f32], blob: &mut Vec<u8>) -> Result<TileEntry, std
     }
     let packed = zstd::bulk::compress(bytemuck::cast_slice(&codes), 3)?;
     blob.extend_from_slice(&packed);
-    Ok(TileEntry { start, length: packed.len() as u32, offset_m: low, step_m, reserved: 0 })
+    Ok(TileEntry { start, length: packed.len() as u32, offset_m: low, step_m, checksum: 0 })
 }
 
 /// The samples of a tile, metres; NaN is void.
-pub(super) fn unpack(entry: &TileEntry, blob: &[u8]) -> Result<Vec<f32>, Flaw> {
+fn unpack(entry: &TileEntry, blob: &[u8]) -> Result<Vec<f32>, Flaw> {
     if entry.length == 0 {
         return Ok(vec![f32::NAN; SAMPLES]);
     }
     let broken = || "does not unpack in a tile".to_owned();
     let end = entry.start.checked_add(u64::from(entry.length)).ok_or_else(broken)?;
     let packed = blob.get(entry.start as usize..end as usize).ok_or_else(broken)?;
+    if entry.checksum != 0 && checksum(packed) != entry.checksum {
+        return Err(broken());
+    }
     let bytes = zstd::bulk::decompress(packed, 2 * SAMPLES).map_err(|_| broken())?;
     if bytes.len() != 2 * SAMPLES {
         return Err(broken());

@@ -10,7 +10,7 @@ use self::{
 };
 use crate::{
     failure::Failure,
-    flags::ProgramFlags,
+    flags::{Bounds, ProgramFlags, bounds},
     progress::Stages,
     query::{self, QueryFlags},
 };
@@ -76,25 +76,6 @@ struct Output {
 enum Format {
     GeoTiff,
     PmTiles,
-}
-
-/// West, south, east, north, degrees.
-type Bounds = [f64; 4];
-
-fn bounds(text: &str) -> Result<Bounds, String> {
-    let numbers = text.split(',').map(|part| part.trim().parse::<f64>()).collect::<Result<Vec<_>, _>>();
-    match numbers.as_deref() {
-        Ok(&[west, south, east, north])
-            if (-180.0..=360.0).contains(&west)
-                && (-180.0..=360.0).contains(&east)
-                && (-90.0..north).contains(&south)
-                && north <= 90.0
-                && west != east =>
-        {
-            Ok([west, south, east, north])
-        }
-        _ => Err("four numbers with commas between them: west, south, east, north in degrees".to_owned()),
-    }
 }
 
 fn output(text: &str) -> Result<Output, String> {

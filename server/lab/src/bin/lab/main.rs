@@ -23,6 +23,7 @@ mod pass_times;
 mod pictures;
 mod place_reference;
 mod plan_reference;
+mod planet;
 mod reference;
 mod reference_multiple;
 mod scene_times;
@@ -73,6 +74,7 @@ enum Program {
     Latency(latency::Arguments),
     NightTimes(night_times::Arguments),
     Pictures(pictures::Arguments),
+    Planet(planet::Arguments),
     /// Writes what fuzzers start from where the program makes it: the smallest pack and the smallest raster.
     Seeds,
 }
@@ -107,6 +109,7 @@ fn main() -> Outcome {
         Program::Latency(arguments) => latency::run(&arguments),
         Program::NightTimes(arguments) => night_times::run(&arguments),
         Program::Pictures(arguments) => pictures::run(&arguments),
+        Program::Planet(arguments) => planet::run(&arguments),
         Program::Seeds => seeds::run(),
     }
 }

@@ -1,0 +1,280 @@
+//! Skylines made by tile when they are first needed, and kept.
+//!
+//! In a scene of millions of lights most skylines are never asked for, and all of them take hours to find. Such a scene has none when
+//! it is stored. A tile is a block of the light pyramid of 128 × 128 pixels; the skylines of its lights and of the blocks within it
+//! are the same numbers whenever they are made. They are kept in memory while there is room, and in files beside the scene's.
+
+use crate::error::SceneError;
+use crate::grid::Grid;
+use crate::light_pyramid::LightPyramid;
+use crate::lit_pixels::LitPixels;
+use crate::sections::{self, Sections};
+use crate::skyline_of_light::skyline_of_light;
+use crate::skylines::{Skyline, Skylines};
+use crate::terrain::Terrain;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::fs::Permissions;
+use std::ops::Range;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Level of the blocks that are tiles, or the highest where that is lower.
+const TILE_LEVEL: usize = 7;
+/// Bytes of tiles that stay in memory.
+pub(crate) const MAX_KEPT_BYTES: usize = 768 << 20;
+/// What others may do with the file of a tile: nothing, and the group may read, as with those of the scene.
+const FILE_MODE: u32 = 0o640;
+/// Bytes of the hash before a stored tile.
+const HASH_BYTES: usize = 32;
+
+/// What skylines are made of.
+#[derive(Clone, Copy)]
+pub(crate) struct TileGround<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) terrain: &'a Terrain,
+    pub(crate) pixels: &'a LitPixels,
+    pub(crate) pyramid: &'a LightPyramid,
+    pub(crate) calibration: f64,
+}
+
+impl TileGround<'_> {
+    /// The level of tiles.
+    pub(crate) fn level(&self) -> usize {
+        TILE_LEVEL.min(self.pyramid.top())
+    }
+
+    /// Upward flux of a block, of a pixel at level 0, DNB watts.
+    pub(crate) fn flux_dnb_w(&self, level: usize, index: usize) -> f64 {
+        match level {
+            0 => self.pixels.flux_dnb_w(self.grid, self.calibration, index),
+            level => self.pyramid.level(level).blocks[index].flux_dnb_w,
+        }
+    }
+}
+
+/// The skylines of a tile.
+#[derive(Debug)]
+pub(crate) struct SkylineTile {
+    /// Of its lights, then of its blocks of each level up to itself: the index of the first, and the skylines.
+    levels: Vec<(usize, Skylines)>,
+}
+
+impl SkylineTile {
+    /// From the skylines of its lights.
+    fn new(ground: &TileGround<'_>, tile: usize, of_lights: Skylines) -> Self {
+        let pyramid = &ground.pyramid;
+        let mut levels = vec![(pyramid.pixels(ground.level(), tile).start, of_lights)];
+        for number in 1..=ground.level() {
+            let blocks = pyramid.blocks_within(ground.level(), tile, number);
+            let (first_child, below) = &levels[number - 1];
+            let children = |block: usize| {
+                let children = pyramid.level(number).children(blocks.start + block);
+                children.start - first_child..children.end - first_child
+            };
+            let flux_dnb_w = |child: usize| ground.flux_dnb_w(number - 1, first_child + child);
+            let above = below.of_blocks(blocks.len(), children, flux_dnb_w);
+            levels.push((blocks.start, above));
+        }
+        Self { levels }
+    }
+
+    /// Index of the first light, or block, of a level.
+    pub(crate) fn first(&self, level: usize) -> usize {
+        self.levels[level].0
+    }
+
+    /// The skylines of its lights, or blocks, of a level.
+    pub(crate) fn skylines(&self, level: usize) -> &Skylines {
+        &self.levels[level].1
+    }
+
+    /// Whether terrain hides any of its lights.
+    pub(crate) fn is_blocked(&self) -> bool {
+        self.levels[0].1.blocked_count() > 0
+    }
+
+    fn byte_count(&self) -> usize {
+        self.levels.iter().map(|(_, skylines)| skylines.byte_count()).sum()
+    }
+}
+
+/// Tiles in memory, by the index of their block, each with the turn in which it was last used.
+#[derive(Debug, Default)]
+struct Kept {
+    tiles: HashMap<usize, (Arc<SkylineTile>, u64)>,
+    bytes: usize,
+    turn: u64,
+}
+
+/// The skylines of a scene that are made by tile.
+#[derive(Debug)]
+pub(crate) struct SkylineTiles {
+    /// Where they are stored.
+    folder: PathBuf,
+    /// Of the scene whose lights they are.
+    version: String,
+    kept: Mutex<Kept>,
+}
+
+impl SkylineTiles {
+    /// Of a scene that may have some in a folder.
+    pub(crate) fn new(folder: PathBuf, version: &str) -> Self {
+        Self { folder, version: version.to_owned(), kept: Mutex::default() }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Kept> {
+        // The map is valid whatever a panicking holder was doing.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Tiles by the indices of their blocks: from memory, from their files, else made and stored.
+    pub(crate) fn tiles(&self, ground: &TileGround<'_>, wanted: &[usize]) -> Vec<Arc<SkylineTile>> {
+        let known: Vec<Option<Arc<SkylineTile>>> = {
+            let mut kept = self.lock();
+            kept.turn += 1;
+            let turn = kept.turn;
+            let mut find = |tile: &usize| {
+                kept.tiles.get_mut(tile).map(|(found, used)| {
+                    *used = turn;
+                    Arc::clone(found)
+                })
+            };
+            wanted.iter().map(&mut find).collect()
+        };
+        if known.iter().all(Option::is_some) {
+            return known.into_iter().flatten().collect();
+        }
+        let get = |(tile, known): (&usize, Option<Arc<SkylineTile>>)| match known {
+            Some(known) => (known, false),
+            None => (Arc::new(self.load(ground, *tile).unwrap_or_else(|| self.make(ground, *tile).0)), true),
+        };
+        let found: Vec<(Arc<SkylineTile>, bool)> = wanted.par_iter().zip(known).map(get).collect();
+        let mut kept = self.lock();
+        for (tile, (found, is_new)) in wanted.iter().zip(&found) {
+            if *is_new {
+                kept.keep(*tile, found);
+            }
+        }
+        found.into_iter().map(|(tile, _)| tile).collect()
+    }
+
+    /// The skyline of a light by its index; None under an open sky.
+    pub(crate) fn skyline(&self, ground: &TileGround<'_>, light: usize) -> Skyline {
+        let tile = tile_of(ground, light);
+        let tiles = self.tiles(ground, &[tile]);
+        tiles[0].skylines(0).skyline(light - tiles[0].first(0))
+    }
+
+    /// Makes a tile, unless it is stored already, and says whether it had to.
+    ///
+    /// # Errors
+    /// [`SceneError::Io`] where it cannot be stored.
+    pub(crate) fn prepare(&self, ground: &TileGround<'_>, tile: usize) -> Result<bool, SceneError> {
+        if self.load_lights(ground, tile).is_some() {
+            return Ok(false);
+        }
+        self.make(ground, tile).1.map_err(SceneError::io(self.path(ground, tile)))?;
+        Ok(true)
+    }
+
+    /// Finds the skylines of a tile and stores them. One that cannot be stored is made again next time.
+    fn make(&self, ground: &TileGround<'_>, tile: usize) -> (SkylineTile, std::io::Result<()>) {
+        let lights = ground.pyramid.pixels(ground.level(), tile);
+        let pixels = &ground.pixels;
+        let find = |light: usize| skyline_of_light(ground.terrain, ground.grid, pixels, light);
+        let found: Vec<Skyline> = lights.into_par_iter().map(find).collect();
+        let mut skylines = Skylines::default();
+        found.iter().for_each(|skyline| skylines.push(skyline));
+        let stored = self.store(ground, tile, &skylines);
+        (SkylineTile::new(ground, tile, skylines), stored)
+    }
+
+    fn path(&self, ground: &TileGround<'_>, tile: usize) -> PathBuf {
+        let code = ground.pyramid.level(ground.level()).codes[tile];
+        self.folder.join(format!("{code:010x}.bin"))
+    }
+
+    /// The hash of a stored tile: of the scene's version, of where the tile is, and of its content.
+    fn hash(&self, path: &Path, content: &[u8]) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(self.version.as_bytes());
+        hasher.update(path.file_name().map_or(b"".as_slice(), |name| name.as_encoded_bytes()));
+        hasher.update(content).finalize()
+    }
+
+    fn store(&self, ground: &TileGround<'_>, tile: usize, skylines: &Skylines) -> std::io::Result<()> {
+        let path = self.path(ground, tile);
+        let content = sections::pack(&skylines.to_sections())?;
+        std::fs::create_dir_all(&self.folder)?;
+        let mode = Permissions::from_mode(FILE_MODE);
+        let mut file = tempfile::Builder::new().permissions(mode).tempfile_in(&self.folder)?;
+        std::io::Write::write_all(&mut file, self.hash(&path, &content).as_bytes())?;
+        std::io::Write::write_all(&mut file, &content)?;
+        file.persist(&path).map(|_| ()).map_err(|error| error.error)
+    }
+
+    fn load(&self, ground: &TileGround<'_>, tile: usize) -> Option<SkylineTile> {
+        Some(SkylineTile::new(ground, tile, self.load_lights(ground, tile)?))
+    }
+
+    /// None where there is no file, or one of another scene, or a damaged one.
+    fn load_lights(&self, ground: &TileGround<'_>, tile: usize) -> Option<Skylines> {
+        let path = self.path(ground, tile);
+        let bytes = std::fs::read(&path).ok()?;
+        let (hash, content) = bytes.split_at_checked(HASH_BYTES)?;
+        if self.hash(&path, content).as_bytes() != hash {
+            return None;
+        }
+        let lights = ground.pyramid.pixels(ground.level(), tile).len();
+        Skylines::from_sections(&Sections::parse(content).ok()?, lights).ok()
+    }
+}
+
+impl Kept {
+    fn keep(&mut self, tile: usize, found: &Arc<SkylineTile>) {
+        let turn = self.turn;
+        self.bytes += found.byte_count();
+        if let Some((before, _)) = self.tiles.insert(tile, (Arc::clone(found), turn)) {
+            self.bytes -= before.byte_count();
+        }
+        if self.bytes <= MAX_KEPT_BYTES {
+            return;
+        }
+        // A quarter more than has to go, so that this is seldom.
+        let mut by_use: Vec<(u64, usize)> =
+            self.tiles.iter().map(|(tile, (_, used))| (*used, *tile)).collect();
+        by_use.sort_unstable();
+        for (_, tile) in by_use {
+            if self.bytes <= MAX_KEPT_BYTES / 4 * 3 {
+                break;
+            }
+            if let Some((gone, _)) = self.tiles.remove(&tile) {
+                self.bytes -= gone.byte_count();
+            }
+        }
+    }
+}
+
+/// The tile of a light.
+pub(crate) fn tile_of(ground: &TileGround<'_>, light: usize) -> usize {
+    let codes = &ground.pyramid.level(ground.level()).codes;
+    let code = ground.pixels.codes[light] >> (2 * ground.level());
+    codes.partition_point(|&other| other < code)
+}
+
+/// The tiles whose lights lie within bounds, in degrees: west, south, east, north; west of east beyond the antimeridian.
+pub(crate) fn tiles_within(ground: &TileGround<'_>, bounds: [f64; 4], margin_m: f64) -> Vec<usize> {
+    let level = ground.level();
+    let is_near = |tile: &usize| {
+        let block = &ground.pyramid.level(level).blocks[*tile];
+        crate::metadata::is_within_margin(bounds, block.direction, block.radius_m + margin_m)
+    };
+    (0..ground.pyramid.level(level).blocks.len()).filter(is_near).collect()
+}
+
+/// The lights of a tile.
+pub(crate) fn lights_of(ground: &TileGround<'_>, tile: usize) -> Range<usize> {
+    ground.pyramid.pixels(ground.level(), tile)
+}
