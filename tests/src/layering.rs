@@ -31,6 +31,8 @@ const HOMES: &[(&str, &str)] = &[
     ("http", "skyglow-http"),
     ("tower-http", "skyglow-http"),
     ("utoipa-axum", "skyglow-http"),
+    ("object_store", "skyglow-http"),
+    ("redis", "skyglow-http"),
     ("gdal", "skyglow-scene"),
     ("gdal-sys", "skyglow-scene"),
     ("clap", "skyglow"),

@@ -30,6 +30,7 @@ fn a_dependency_upwards_is_seen() {
         ("skyglow", "skyglow-lab", "skyglow must not use skyglow-lab"),
         ("skyglow-display", "wgpu", "wgpu belongs to skyglow-render alone, not to skyglow-display"),
         ("skyglow", "axum", "axum belongs to skyglow-http alone, not to skyglow"),
+        ("skyglow-scene", "object_store", "object_store belongs to skyglow-http alone, not to skyglow-scene"),
         ("skyglow-tests", "gdal", "gdal belongs to skyglow-scene alone, not to skyglow-tests"),
     ] {
         let mut broken = real.clone();

@@ -117,6 +117,7 @@ _BY_KIND: dict[str, type[ProblemError]] = {
     "engine-down": BusyError,
     "scene-too-large": BusyError,
     "storage": BusyError,
+    "store-away": BusyError,
 }
 
 

@@ -233,6 +233,7 @@ fn of_change_store(error: ChangeStoreError) -> AppError {
         ChangeStoreError::NotOwner { id } => AppError::NotOwner { id: id.to_string() },
         ChangeStoreError::PinsFull => AppError::PinsFull,
         ChangeStoreError::Reading => AppError::Busy { retry_after_s: 2 },
+        ChangeStoreError::Away(away) => AppError::StoreAway { reason: away.reason },
         ChangeStoreError::Io { .. } => AppError::Storage { reason: error.to_string() },
         ChangeStoreError::Damaged { .. } => AppError::internal(error),
     }

@@ -58,6 +58,12 @@ pub enum AppError {
         /// What happened, for the log.
         reason: String,
     },
+    /// The store that servers share does not answer.
+    #[error("what is kept cannot be reached now, nor can anything be kept; try again in a minute")]
+    StoreAway {
+        /// What happened, for the log.
+        reason: String,
+    },
     /// A scene that takes more memory than this server has for one.
     #[error("{reason}")]
     SceneTooLarge {

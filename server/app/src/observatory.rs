@@ -289,8 +289,12 @@ impl SkySource for ObservatorySource {
         Ok(self.observatory.changes().check_base(Some(base)).map_err(ObservatoryError::from)?)
     }
 
-    fn is_stored(&self, id: &ChangeId) -> bool {
-        self.observatory.changes().is_stored(id)
+    fn is_kept(&self, id: &ChangeId) -> Result<bool, AppError> {
+        Ok(self.observatory.changes().is_kept(id).map_err(ObservatoryError::from)?)
+    }
+
+    fn refresh_kept(&self) -> Result<(), AppError> {
+        Ok(self.observatory.changes().refresh().map_err(ObservatoryError::from)?)
     }
 
     fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError> {

@@ -7,7 +7,7 @@ use skyglow_render::{
     celestial::{CelestialTables, tables::MAX_KEPT_BYTES},
     resident_tables, undamaged_tables,
 };
-use skyglow_scene::ChangeLimits;
+use skyglow_scene::{ChangeLimits, ChangeStore};
 use skyglow_tables::{Manifest, packs_in};
 use std::{
     path::{Path, PathBuf},
@@ -95,13 +95,25 @@ impl LoadedEngine {
         sizes: &CacheSizes,
         max_places: usize,
     ) -> ObservatorySource {
+        self.before_kept(data, ChangeStore::new(data, limits), sizes, max_places)
+    }
+
+    /// The same with scenarios and plans that are kept elsewhere than in the folder.
+    pub fn before_kept(
+        self,
+        data: &Path,
+        changes: ChangeStore,
+        sizes: &CacheSizes,
+        max_places: usize,
+    ) -> ObservatorySource {
         let Self { engine, manifests, left_out, celestial } = self;
+        let has_limits = !changes.has_no_limits();
         let mut observatory =
-            Observatory::with_limits(engine, manifests, data, OPEN_SCENE_COUNT, limits, sizes);
+            Observatory::with_changes(engine, manifests, data, OPEN_SCENE_COUNT, changes, sizes);
         if let Some(tables) = celestial {
             observatory = observatory.with_celestial_tables(tables);
         }
-        if !limits.is_none() {
+        if has_limits {
             let changes = observatory.changes().clone();
             std::thread::spawn(move || crate::stored::read_index(&changes));
         }

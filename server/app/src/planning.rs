@@ -84,7 +84,7 @@ pub fn make_plan(
     }
     let id = plan_id(source, request, &view.base().metadata().version, posting)?;
     let is_new = match source.plan_by_id(&id) {
-        Ok(_) if !request.store || source.is_stored(&id) && !posting.pinned => false,
+        Ok(_) if !request.store || source.is_kept(&id)? && !posting.pinned => false,
         known => {
             let plan = known.map_or_else(|_| new_plan(source, request, view, watch), |(held, _)| Ok(held))?;
             if request.store {

@@ -201,7 +201,17 @@ pub trait SkySource: Send + Sync + 'static {
     /// [`AppError::DraftPlan`].
     fn check_base(&self, base: &ChangeId) -> Result<(), AppError>;
     /// Whether a plan is stored, and not just held.
-    fn is_stored(&self, id: &ChangeId) -> bool;
+    ///
+    /// # Errors
+    /// [`AppError::StoreAway`].
+    fn is_kept(&self, id: &ChangeId) -> Result<bool, AppError>;
+    /// Looks for what other servers over the same store kept or removed.
+    ///
+    /// # Errors
+    /// [`AppError::StoreAway`], [`AppError::Busy`] soon after the start.
+    fn refresh_kept(&self) -> Result<(), AppError> {
+        Ok(())
+    }
     /// A plan, stored or held, and since when, seconds since 1970.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use crate::{device::Device, failure::Failure, folders, program, query};
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_app::{SkySource, facts::SourceFacts, opening::LoadedEngine};
 use skyglow_observatory::{CacheSizes, MAX_PLACES};
-use skyglow_scene::ChangeLimits;
+use skyglow_scene::{ChangeLimits, ChangeStore};
 use std::{path::PathBuf, sync::Arc};
 
 /// Where the scenes are.
@@ -74,6 +74,6 @@ impl ProgramFlags {
         let (data, packs) = (self.data.folder(), self.packs.folder());
         let loaded = LoadedEngine::start(&packs, device.into(), None).map_err(Failure::work)?;
         let (limits, sizes) = (ChangeLimits::none(), CacheSizes::of_machine());
-        Ok(program::open(loaded, &data, limits, &sizes, MAX_PLACES, false))
+        Ok(program::open(loaded, &data, ChangeStore::new(&data, limits), &sizes, MAX_PLACES, false))
     }
 }

@@ -92,6 +92,13 @@ pub(crate) struct PartialSettings {
     /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_PLACES", value_name = "N", help_heading = "Limits")]
     pub(crate) brightness_places: Option<usize>,
+    /// Object store where servers share scenarios and plans: s3://BUCKET/PREFIX (with AWS_* variables), or file:///FOLDER that all
+    /// of them mount [default: none, and they are kept in the data folder]
+    #[arg(long, env = "SKYGLOW_STORE", value_name = "URL")]
+    pub(crate) store: Option<String>,
+    /// Valkey or Redis where servers share limits and drafts: redis://:PASSWORD@HOST:6379 [default: none, each has its own]
+    #[arg(long, env = "SKYGLOW_VALKEY", value_name = "URL", hide_env_values = true)]
+    pub(crate) valkey: Option<String>,
     /// Scenarios and as many plans that are kept; the oldest go first [default: 5000]
     #[arg(long, env = "SKYGLOW_KEPT_PLANS", value_name = "N", help_heading = "Limits")]
     pub(crate) kept_plans: Option<usize>,
@@ -275,6 +282,8 @@ mod tests {
         let mut settings = Settings::default();
         settings.http.public_url = Some(String::new());
         settings.otlp_endpoint = Some(String::new());
+        settings.store = Some(String::new());
+        settings.valkey = Some(String::new());
         let settings = serde_json::to_value(settings).unwrap();
         let names = |value: &serde_json::Value| {
             let mut names: Vec<String> = value.as_object().unwrap().keys().cloned().collect();

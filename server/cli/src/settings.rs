@@ -2,11 +2,12 @@
 
 use crate::{device::Device, failure::Failure, folders};
 use serde::{Deserialize, Serialize};
-use skyglow_http::{Access, ApiKey, HttpConfig, access::AccessError};
-use skyglow_scene::{ChangeLimits, MAX_DRAFT_BYTES};
+use skyglow_http::{Access, ApiKey, HttpConfig, KeptStore, Valkey, access::AccessError};
+use skyglow_scene::{ChangeLimits, ChangeStore, MAX_DRAFT_BYTES};
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 
@@ -25,6 +26,10 @@ pub(crate) struct Settings {
     pub(crate) no_demo: bool,
     /// Places in a map of the zenith's brightness at most.
     pub(crate) brightness_places: usize,
+    /// Object store of scenarios and plans, which servers share; None for the data folder.
+    pub(crate) store: Option<String>,
+    /// Valkey or Redis, where servers share limits and drafts.
+    pub(crate) valkey: Option<String>,
     /// Scenarios and as many plans that are kept.
     pub(crate) kept_plans: usize,
     /// Bytes on disk of each.
@@ -53,6 +58,8 @@ impl Default for Settings {
             device: Device::default(),
             no_demo: false,
             brightness_places: skyglow_observatory::MAX_PLACES,
+            store: None,
+            valkey: None,
             kept_plans: 5000,
             kept_plans_bytes: 1 << 30,
             kept_plans_days: 90,
@@ -163,6 +170,28 @@ impl Settings {
             let path = path.as_deref().unwrap_or(Path::new("configuration"));
             Failure::Work(format!("{}: {error}", path.display()))
         })
+    }
+
+    /// Where scenarios and plans are kept.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] where it is a store that cannot be read and written.
+    pub(crate) fn changes(&self, limits: ChangeLimits) -> Result<ChangeStore, Failure> {
+        let Some(address) = &self.store else { return Ok(ChangeStore::new(&self.data, limits)) };
+        let variables = std::env::vars_os()
+            .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+        let options: Vec<_> = variables.filter(|(name, _)| name.starts_with("AWS_")).collect();
+        let store = KeptStore::open(address, &options).map_err(Failure::work)?;
+        ChangeStore::in_store(&self.data, limits, Arc::new(store)).map_err(Failure::work)
+    }
+
+    /// Where limits and drafts are shared; it is not asked yet.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] where its address cannot be used.
+    pub(crate) fn valkey(&self) -> Result<Option<Arc<Valkey>>, Failure> {
+        let open = |address: &String| Valkey::new(address).map(Arc::new).map_err(Failure::work);
+        self.valkey.as_ref().map(open).transpose()
     }
 
     /// What is kept of scenarios and plans.

@@ -2,7 +2,11 @@
 //!
 //! Secrets are kept as BLAKE3 hashes, and compared as such: the time that takes says nothing about them.
 
-use crate::error::ApiError;
+use crate::{
+    error::ApiError,
+    party::Party,
+    shared_counts::{Counted, Taken},
+};
 use axum::http::{HeaderMap, header};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -72,6 +76,9 @@ struct KeyState {
     seen: Instant,
     day: u64,
     requests_today: u64,
+    /// What other servers were not told: of the rate, and of the day's quota.
+    untold: u64,
+    untold_today: u64,
 }
 
 /// The operator and the known clients.
@@ -123,6 +130,8 @@ impl Access {
                 seen: Instant::now(),
                 day: 0,
                 requests_today: 0,
+                untold: 0,
+                untold_today: 0,
             };
             known.push(KnownKey { key, hash, state: Mutex::new(state) });
         }
@@ -171,7 +180,7 @@ impl Access {
         let (day, second) = (now_s / 86_400, now_s % 86_400);
         // A clock that was set back does not give the quota anew.
         if day > state.day {
-            (state.day, state.requests_today) = (day, 0);
+            (state.day, state.requests_today, state.untold_today) = (day, 0, 0);
         }
         if key.requests_per_day.is_some_and(|most| state.requests_today >= most) {
             return Err(ApiError::QuotaUsed { retry_after_s: 86_400 - second });
@@ -182,7 +191,61 @@ impl Access {
         }
         state.tokens -= 1.0;
         state.requests_today += 1;
+        state.untold += 1;
+        state.untold_today += 1;
         Ok(())
+    }
+}
+
+/// The day in the name of its count.
+fn day_of(name: &str) -> Option<u64> {
+    name.split(':').nth(1)?.parse().ok()
+}
+
+impl Counted for Access {
+    fn begin(&self) {}
+
+    fn drain(&self, name: &dyn Fn(Party) -> String) -> Vec<Taken> {
+        let mut all = Vec::new();
+        for known in &self.keys {
+            let party = Party::of_key(&known.key.name);
+            let mut state = known.state.lock().unwrap_or_else(PoisonError::into_inner);
+            if state.untold == 0 && state.untold_today == 0 {
+                continue;
+            }
+            let (rate, most) = (known.key.requests_per_second, f64::from(known.key.request_burst));
+            for (name, rate, most, taken) in [
+                (format!("key::{}", name(party)), rate, most, state.untold),
+                (format!("day:{}:{}", state.day, name(party)), 0.0, 0.0, state.untold_today),
+            ] {
+                all.push(Taken { tier: (0, party), name, rate, most, taken: taken as f64 });
+            }
+            (state.untold, state.untold_today) = (0, 0);
+        }
+        all
+    }
+
+    fn adopt(&self, taken: &Taken, sum: f64, now: Instant) {
+        let Some(known) = self.keys.iter().find(|known| Party::of_key(&known.key.name) == taken.tier.1)
+        else {
+            return;
+        };
+        let mut state = known.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if taken.rate > 0.0 {
+            (state.tokens, state.seen) = (sum - state.untold as f64, now);
+        } else if day_of(&taken.name) == Some(state.day) {
+            state.requests_today = sum as u64 + state.untold_today;
+        }
+    }
+
+    fn put_back(&self, taken: &Taken) {
+        let of_key = |known: &&KnownKey| Party::of_key(&known.key.name) == taken.tier.1;
+        if let Some(known) = self.keys.iter().find(of_key) {
+            let mut state = known.state.lock().unwrap_or_else(PoisonError::into_inner);
+            if day_of(&taken.name) == Some(state.day) {
+                state.untold_today += taken.taken as u64;
+            }
+        }
     }
 }
 

@@ -15,8 +15,10 @@ use crate::{
         plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, tilejson, tiles,
         uploads, viewer,
     },
+    shared_counts::{Counted, add_up},
     state::AppState,
     token_buckets::TokenBuckets,
+    valkey::Valkey,
 };
 use axum::{
     Router,
@@ -139,6 +141,16 @@ pub fn router(source: Arc<dyn SkySource>, config: HttpConfig) -> Router {
 
 /// The whole interface over a source, such as [`ObservatorySource`](skyglow_app::ObservatorySource).
 pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access: Access) -> Router {
+    router_beside(source, config, access, None)
+}
+
+/// The same beside other servers, with which shares of clients are counted together.
+pub fn router_beside(
+    source: Arc<dyn SkySource>,
+    config: HttpConfig,
+    access: Access,
+    valkey: Option<Arc<Valkey>>,
+) -> Router {
     let state = AppState::new(source, config, access);
     let config = state.config.clone();
     if let Ok(text) = openapi().to_json() {
@@ -148,6 +160,12 @@ pub fn router_with_access(source: Arc<dyn SkySource>, config: HttpConfig, access
     let limiter =
         Arc::new(TokenBuckets::new("requests", config.requests_per_second, f64::from(config.request_burst)));
     let quota = Arc::new(StorageQuota::new(config.kept_per_day));
+    if let Some(valkey) = valkey {
+        valkey.show_in(state.metrics.valkey_away.clone());
+        let counted: [Arc<dyn Counted>; 4] =
+            [limiter.clone(), state.work.shares.clone(), quota.shares().clone(), state.access.clone()];
+        add_up(valkey, counted.iter().map(Arc::downgrade).collect());
+    }
     let (api, _) = api().split_for_parts();
     let api = api
         .route("/api/v1/scenes/{scene}/tiles/{layer}/{z}/{x}/{file}", get(tiles::get_tile))

@@ -209,7 +209,9 @@ impl ApiError {
             | ApiError::BeingMade { retry_after_s, .. }
             | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
-            ApiError::App(AppError::Storage { .. } | AppError::SceneTooLarge { .. }) => Some(60),
+            ApiError::App(
+                AppError::Storage { .. } | AppError::StoreAway { .. } | AppError::SceneTooLarge { .. },
+            ) => Some(60),
             _ => None,
         }
     }
@@ -259,6 +261,7 @@ fn status_of(error: &AppError) -> StatusCode {
         AppError::BadUpload { .. } => StatusCode::UNPROCESSABLE_ENTITY,
         AppError::DamagedScene { .. }
         | AppError::Storage { .. }
+        | AppError::StoreAway { .. }
         | AppError::SceneTooLarge { .. }
         | AppError::Busy { .. }
         | AppError::EngineDown => StatusCode::SERVICE_UNAVAILABLE,
@@ -278,6 +281,9 @@ impl IntoResponse for ApiError {
                 tracing::error!(%reason, "a scene is too large")
             }
             ApiError::App(AppError::Storage { reason }) => tracing::error!(%reason, "nothing can be kept"),
+            ApiError::App(AppError::StoreAway { reason }) => {
+                tracing::error!(%reason, "the store of what is kept does not answer");
+            }
             _ => {}
         }
         let retry_after_s = self.retry_after_s();

@@ -33,6 +33,8 @@ pub struct Metrics {
     pub(crate) body_bytes: Gauge,
     /// Bytes taken for work under way and its answers, cached ones included.
     pub(crate) work_bytes: Gauge,
+    /// Whether Valkey does not answer.
+    pub(crate) valkey_away: Gauge,
     /// Bytes of answers that are being sent.
     pub(crate) sending_bytes: Gauge,
 }
@@ -89,6 +91,12 @@ impl Metrics {
         ] {
             registry.register_with_unit(name, words, Unit::Bytes, Gauge::clone(gauge));
         }
+        let valkey_away = Gauge::default();
+        registry.register(
+            "valkey_away",
+            "1 while Valkey does not answer: limits and drafts are then this server's own",
+            valkey_away.clone(),
+        );
         registry.register_collector(Box::new(SourceCollector(source)));
         for reason in REFUSAL_REASONS {
             drop(refused.get_or_create(&vec![("reason", reason.to_owned())]));
@@ -108,6 +116,7 @@ impl Metrics {
             in_flight,
             body_bytes,
             work_bytes,
+            valkey_away,
             sending_bytes,
         }
     }

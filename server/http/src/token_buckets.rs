@@ -1,6 +1,9 @@
 //! Token buckets (Turner 1986) for shares of anything by time: one for each client, and larger ones for the networks around it.
 
-use crate::party::{Party, Tier};
+use crate::{
+    party::{Party, Tier},
+    shared_counts::{Counted, Taken},
+};
 use std::{
     collections::HashMap,
     sync::{Mutex, MutexGuard, PoisonError},
@@ -17,6 +20,8 @@ pub struct TokenBuckets {
     tokens_per_second: f64,
     burst: f64,
     buckets: Mutex<HashMap<Tier, Bucket>>,
+    /// What was taken since other servers were told, where there are some.
+    untold: Mutex<Option<HashMap<Tier, f64>>>,
 }
 
 /// Tokens, below 0 where more was taken than there was, as of when.
@@ -43,7 +48,13 @@ impl TokenBuckets {
     ///
     /// * `name`: of what is shared, as headers have it.
     pub(crate) fn new(name: &'static str, tokens_per_second: f64, burst: f64) -> Self {
-        Self { name, tokens_per_second, burst: burst.max(1.0), buckets: Mutex::default() }
+        Self {
+            name,
+            tokens_per_second,
+            burst: burst.max(1.0),
+            buckets: Mutex::default(),
+            untold: Mutex::default(),
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<Tier, Bucket>> {
@@ -82,6 +93,20 @@ impl TokenBuckets {
             let tokens = self.filled(tier, buckets.get(&tier), now) - count;
             buckets.insert(tier, Bucket { tokens: tokens.min(self.burst * Self::factor(tier)), seen: now });
         }
+        self.note(party, count);
+    }
+
+    /// Notes for other servers what was taken; where it was nothing, how much is left is asked all the same.
+    fn note(&self, party: Party, count: f64) {
+        if let Some(untold) = self.untold().as_mut() {
+            for tier in party.tiers() {
+                *untold.entry(tier).or_default() += count;
+            }
+        }
+    }
+
+    fn untold(&self) -> MutexGuard<'_, Option<HashMap<Tier, f64>>> {
+        self.untold.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Takes tokens, all that a client ever has at most.
@@ -96,6 +121,7 @@ impl TokenBuckets {
         let count = count.min(self.burst);
         let wait_s = self.wait_s(&buckets, party, count, now);
         if wait_s > 0.0 {
+            self.note(party, 0.0);
             return Err(wait_s);
         }
         self.subtract(&mut buckets, party, count, now);
@@ -110,6 +136,7 @@ impl TokenBuckets {
         let buckets = self.lock();
         let is_empty = |tier: Tier| self.filled(tier, buckets.get(&tier), now) <= 0.0;
         if self.is_limited(party) && party.tiers().into_iter().any(is_empty) {
+            self.note(party, 0.0);
             return Err(self.wait_s(&buckets, party, 1.0, now));
         }
         Ok(())
@@ -143,6 +170,28 @@ impl TokenBuckets {
             let (_, median, _) = levels.select_nth_unstable_by(middle, f64::total_cmp);
             buckets.retain(|tier, bucket| level(*tier, bucket) < *median);
         }
+    }
+}
+
+impl Counted for TokenBuckets {
+    fn begin(&self) {
+        self.untold().get_or_insert_default();
+    }
+
+    fn drain(&self, name: &dyn Fn(Party) -> String) -> Vec<Taken> {
+        let untold = self.untold().as_mut().map(std::mem::take).unwrap_or_default();
+        let taken = |(tier, taken): (Tier, f64)| {
+            let (rate, most) = (self.tokens_per_second * Self::factor(tier), self.burst * Self::factor(tier));
+            Taken { tier, name: format!("{}:{}:{}", self.name, tier.0, name(tier.1)), rate, most, taken }
+        };
+        untold.into_iter().map(taken).collect()
+    }
+
+    fn adopt(&self, taken: &Taken, sum: f64, now: Instant) {
+        let mut buckets = self.lock();
+        let since = self.untold().as_ref().and_then(|untold| untold.get(&taken.tier).copied());
+        let tokens = (sum - since.unwrap_or_default()).min(taken.most);
+        buckets.insert(taken.tier, Bucket { tokens, seen: now });
     }
 }
 
@@ -234,6 +283,35 @@ mod tests {
         }
         assert!(buckets.take(Party::V4(1), 1.0, start).is_err());
         assert!(buckets.lock().len() <= MAX_BUCKETS + 3);
+    }
+
+    /// What others took is gone here too, and what is taken while they are told is not given back.
+    #[test]
+    fn what_others_took_is_gone_here_too() {
+        let (buckets, start) = (buckets(1.0, 10.0), Instant::now());
+        let name = |party: Party| format!("{party:?}");
+        buckets.charge(Party::V4(1), 1.0, start);
+        assert_eq!(buckets.drain(&name), [], "nobody is to be told");
+        buckets.begin();
+        buckets.charge(Party::V4(1), 3.0, start);
+        let told = buckets.drain(&name);
+        assert_eq!(
+            told.iter().map(|taken| (taken.taken, taken.rate, taken.most)).fold(
+                0.0,
+                |sum, (taken, rate, most)| {
+                    assert_eq!(most, 10.0 * rate);
+                    sum + taken
+                }
+            ),
+            9.0
+        );
+        assert!(told.iter().any(|taken| taken.name == "tokens:2:V4(1)"));
+        buckets.charge(Party::V4(1), 1.0, start);
+        told.iter().for_each(|taken| buckets.adopt(taken, 2.0, start));
+        assert_eq!(buckets.left(Party::V4(1), start).map(|left| left.left), Some(1.0));
+        buckets.drain(&name);
+        assert!(buckets.take(Party::V4(1), 5.0, start).is_err());
+        assert!(buckets.drain(&name).iter().all(|taken| taken.taken == 0.0), "who is refused asks anew");
     }
 
     #[test]

@@ -45,8 +45,20 @@ impl Observatory {
         limits: ChangeLimits,
         sizes: &CacheSizes,
     ) -> Self {
-        let (scenes, changes) = (SceneStore::new(data_dir), ChangeStore::new(data_dir, limits));
-        let scenes = SceneCache::new(scenes, changes, open_scene_count, sizes);
+        let changes = ChangeStore::new(data_dir, limits);
+        Self::with_changes(engine, manifests, data_dir, open_scene_count, changes, sizes)
+    }
+
+    /// The same with scenarios and plans that are stored elsewhere than in the data folder.
+    pub fn with_changes(
+        engine: Engine,
+        manifests: Vec<Manifest>,
+        data_dir: &Path,
+        open_scene_count: usize,
+        changes: ChangeStore,
+        sizes: &CacheSizes,
+    ) -> Self {
+        let scenes = SceneCache::new(SceneStore::new(data_dir), changes, open_scene_count, sizes);
         Self { engine, scenes, manifests, influences: InfluenceCache::new(sizes), celestial: None }
     }
 

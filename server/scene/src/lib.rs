@@ -58,9 +58,10 @@ mod terrain;
 pub use boundary::{Boundary, BoundaryError, MAX_BOUNDARY_CORNERS, Position};
 pub use changes::{
     Account, Area, AreaError, Change, ChangeError, ChangeId, ChangeKind, ChangeLimits, ChangeStep,
-    ChangeStore, ChangeStoreError, ChangeSummary, Cursor, Edit, Listed, MAX_BRUSH_POINTS, MAX_CHANGE_DEPTH,
-    MAX_DRAFT_BYTES, MAX_EDITS, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN, NETWORK_TIERS, Outline, Owner,
-    Page, PixelFactors, Posting, Scenario, StoredPlan, Viewer,
+    ChangeStore, ChangeStoreError, ChangeSummary, Cursor, DocumentStore, DraftShelf, Edit, Listed,
+    MAX_BRUSH_POINTS, MAX_CHANGE_DEPTH, MAX_DRAFT_BYTES, MAX_EDITS, MAX_NEW_LIGHTS,
+    MAX_NEW_LIGHTS_WITH_TERRAIN, NETWORK_TIERS, Outline, Owner, Page, PixelFactors, Posting, Scenario,
+    StoreAway, StoredObject, StoredPlan, Viewer,
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
 pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues, PlaceWindow};

@@ -2,8 +2,8 @@
 
 use crate::{failure::Failure, logging, partial_settings::PartialSettings, program, settings::Settings};
 use clap::Args;
-use skyglow_app::{SkySource, opening::LoadedEngine};
-use skyglow_http::{HttpConfig, MemoryShares, router_with_access, serve};
+use skyglow_app::{SkySource, error::AppError, opening::LoadedEngine};
+use skyglow_http::{HttpConfig, MemoryShares, Valkey, router_beside, serve};
 use skyglow_scene::{ChangeLimits, SceneStore};
 use std::{future::Future, path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
@@ -62,12 +62,18 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let listener =
         TcpListener::bind(address).await.map_err(|error| Failure::Work(format!("{address}: {error}")))?;
     let access = settings.access()?;
-    let started = tokio::task::spawn_blocking(move || start(&settings));
+    let is_shared = settings.store.is_some();
+    let valkey = settings.valkey()?;
+    let shelf = valkey.clone();
+    let started = tokio::task::spawn_blocking(move || start(&settings, shelf));
     let (source, http) = tokio::select! {
         started = started => started.map_err(Failure::work)??,
         () = &mut shutdown => return Ok(()),
     };
     watch_scenes(&source);
+    if is_shared {
+        watch_kept(&source);
+    }
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
     for kind in &facts.kinds {
@@ -75,7 +81,7 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     }
     tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
     let (end, ended) = tokio::sync::oneshot::channel::<()>();
-    let serving = serve(listener, router_with_access(source, http.clone(), access), &http, async {
+    let serving = serve(listener, router_beside(source, http.clone(), access, valkey), &http, async {
         // An error says that the sender is gone, which is an end as well.
         let _ = ended.await;
     });
@@ -108,8 +114,42 @@ fn watch_scenes(source: &Arc<dyn SkySource>) {
     });
 }
 
+/// How often it is looked for what other servers kept or removed: longest after that it is gone here too.
+const LOOK_FOR_OTHERS_EVERY: Duration = Duration::from_secs(5);
+
+/// Compares what is here with the store that servers share, on a thread of its own.
+fn watch_kept(source: &Arc<dyn SkySource>) {
+    let source = Arc::downgrade(source);
+    std::thread::spawn(move || {
+        let mut was_away = false;
+        while let Some(source) = source.upgrade() {
+            let refreshed = source.refresh_kept();
+            drop(source);
+            let is_away = refreshed.as_ref().is_err_and(|error| !matches!(error, AppError::Busy { .. }));
+            match refreshed {
+                // Once, and not every five seconds.
+                Err(AppError::StoreAway { reason }) if !was_away => {
+                    tracing::error!(%reason, "the store of what is kept is away: what has no copy here is answered 503");
+                }
+                Err(error) if is_away && !was_away => {
+                    tracing::error!(%error, "what is kept cannot be looked through")
+                }
+                Ok(()) if was_away => tracing::info!("the store of what is kept is back"),
+                _ => {}
+            }
+            was_away = is_away;
+            std::thread::sleep(LOOK_FOR_OTHERS_EVERY);
+        }
+    });
+}
+
 /// The program behind the interface, and the interface's limits as the memory allows.
-fn start(settings: &Settings) -> Result<(Arc<dyn SkySource>, HttpConfig), Failure> {
+///
+/// * `shelf`: where drafts are shared.
+fn start(
+    settings: &Settings,
+    shelf: Option<Arc<Valkey>>,
+) -> Result<(Arc<dyn SkySource>, HttpConfig), Failure> {
     let cleared = SceneStore::new(&settings.data).clear_stale();
     if cleared > 0 {
         tracing::info!("{cleared} folder(s) of ingests that were killed are cleared");
@@ -131,7 +171,11 @@ fn start(settings: &Settings) -> Result<(Arc<dyn SkySource>, HttpConfig), Failur
     let max_places = settings.brightness_places.max(1);
     let required = settings.upload_sandbox_required;
     let sizes = &shares.observatory;
-    let source = program::open(loaded, &settings.data, limits, sizes, max_places, required);
+    let mut changes = settings.changes(limits)?;
+    if let Some(shelf) = shelf {
+        changes = changes.with_shelf(shelf);
+    }
+    let source = program::open(loaded, &settings.data, changes, sizes, max_places, required);
     Ok((source, shares.put_into(settings.http.clone())))
 }
 

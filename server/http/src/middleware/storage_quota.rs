@@ -37,7 +37,7 @@ pub struct StoredLength(pub usize);
 
 /// The shares of all clients, and what was counted today.
 pub struct StorageQuota {
-    shares: TokenBuckets,
+    shares: Arc<TokenBuckets>,
     counted: Cache<HeaderValue, ()>,
 }
 
@@ -47,7 +47,13 @@ impl StorageQuota {
         // Half of it at once, and half over the day, is all of it in any day.
         let half = f64::from(per_day.div_ceil(2));
         let counted = Cache::builder().max_capacity(MAX_COUNTED).time_to_live(DAY).build();
-        Self { shares: TokenBuckets::new("stored", half / DAY.as_secs_f64(), half), counted }
+        let shares = TokenBuckets::new("stored", half / DAY.as_secs_f64(), half);
+        Self { shares: Arc::new(shares), counted }
+    }
+
+    /// The shares, for who adds them up with those of other servers.
+    pub(crate) fn shares(&self) -> &Arc<TokenBuckets> {
+        &self.shares
     }
 
     /// What an answer counts: nothing where it is a refusal or what it names was counted today, else its length; `deposit` where

@@ -12,7 +12,7 @@ use axum::{
 };
 
 /// Stable names and what they mean.
-pub const KINDS: [(&str, &str); 38] = [
+pub const KINDS: [(&str, &str); 39] = [
     (
         "bad-parameters",
         "One or more parameters cannot be used; `errors` names each, its value and what is allowed.",
@@ -38,6 +38,10 @@ pub const KINDS: [(&str, &str); 38] = [
     ("keys-only", "What stays whatever others have kept is for clients with a key."),
     ("pins-full", "As much is pinned as may be, which is half of what is kept; it can be kept without."),
     ("storage", "The server has no room on disk, or may not write there; its log says more."),
+    (
+        "store-away",
+        "The store that the servers of this service share does not answer; what it has is not lost. Retry-After says when to try again.",
+    ),
     ("outside-scene", "The place lies outside the scene; `bounds` has its edges."),
     ("unknown-tile", "No map tile has this address."),
     ("not-found", "No resource has this path."),
@@ -132,6 +136,7 @@ mod tests {
             ApiError::App(AppError::BadUpload { reason: String::new() }),
             ApiError::QuotaUsed { retry_after_s: 1 },
             ApiError::App(AppError::Storage { reason: String::new() }),
+            ApiError::App(AppError::StoreAway { reason: String::new() }),
             ApiError::App(AppError::UnknownScene { id: String::new() }),
             ApiError::App(AppError::OutsideScene { latitude_deg: 0.0, longitude_deg: 0.0, bounds: [0.0; 4] }),
             ApiError::App(AppError::UnknownTile { reason: String::new() }),

@@ -445,8 +445,8 @@ impl SkySource for Fake {
         Ok(())
     }
 
-    fn is_stored(&self, _: &ChangeId) -> bool {
-        false
+    fn is_kept(&self, _: &ChangeId) -> Result<bool, AppError> {
+        Ok(false)
     }
 
     fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError> {

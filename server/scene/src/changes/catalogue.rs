@@ -208,7 +208,7 @@ impl Catalogue {
     }
 
     /// What the index says of a document: as it is `known`, or else from its file. None where that is gone.
-    fn entry(&self, id: &ChangeId, known: Option<&Entry>) -> Option<Entry> {
+    pub(super) fn entry(&self, id: &ChangeId, known: Option<&Entry>) -> Option<Entry> {
         let path = self.path(id, "json");
         let metadata = std::fs::metadata(&path).ok()?;
         let modified_unix_ns = metadata.modified().map_or(0, unix_ns);

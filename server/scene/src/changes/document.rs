@@ -95,18 +95,25 @@ pub(super) fn bytes_of<T: Serialize>(
 
 /// The content of a document and what stands before it, checked.
 pub(super) fn read<T: DeserializeOwned>(path: &Path, id: &ChangeId) -> Result<(T, Head), ChangeStoreError> {
-    let text = read_file(path, id)?;
+    read_bytes(path, &read_file(path, id)?)
+}
+
+/// The same of its bytes.
+pub(super) fn read_bytes<T: DeserializeOwned>(
+    path: &Path,
+    text: &[u8],
+) -> Result<(T, Head), ChangeStoreError> {
     let broken = |error: serde_json::Error| damaged(path)(format!("is truncated or broken ({error})"));
     let of_another_form = |error: serde_json::Error| damaged(path)(format!("is of another form ({error})"));
     // As this program wrote it, the content is hashed and read where it stands.
-    if let Some((head, content)) = taken_apart(&text)
+    if let Some((head, content)) = taken_apart(text)
         && head.format == FORMAT
         && hash_of(content) == head.blake3
     {
         let head = checked(path, head)?;
         return Ok((serde_json::from_slice(content).map_err(of_another_form)?, head));
     }
-    let document: Document<serde_json::Value> = serde_json::from_slice(&text).map_err(broken)?;
+    let document: Document<serde_json::Value> = serde_json::from_slice(text).map_err(broken)?;
     if document.format != FORMAT {
         return Err(damaged(path)(format!("is of format {}, this program reads {FORMAT}", document.format)));
     }

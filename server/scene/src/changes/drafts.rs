@@ -15,9 +15,6 @@ const IDLE: Duration = Duration::from_secs(600);
 const OVERHEAD_BYTES: usize = 4096;
 /// About how much larger JSON is in memory than as text.
 const JSON_MEMORY_FACTOR: usize = 4;
-/// Networks are never written out, so no secret has to hide them.
-const NETWORKS_KEY: [u8; 32] = [0; 32];
-
 /// A draft, and since when it is held, seconds since 1970.
 pub(super) type Held = Arc<(StoredPlan, u64)>;
 
@@ -59,12 +56,16 @@ impl Drafts {
         Self { start: Instant::now(), table: Arc::new(Mutex::new(table)) }
     }
 
-    pub(super) fn hold(&self, id: &ChangeId, plan: StoredPlan, account: &Account, now_unix_s: u64) {
-        let networks = match account {
+    /// Whom a draft counts for.
+    pub(super) fn networks(id: &ChangeId, account: &Account, key: &[u8; 32]) -> Networks {
+        match account {
             // As what is stored for nobody, each counts for itself.
             Account::Nobody => [id.number(); NETWORK_TIERS.len()],
-            somebody => somebody.networks(&NETWORKS_KEY),
-        };
+            somebody => somebody.networks(key),
+        }
+    }
+
+    pub(super) fn hold(&self, id: &ChangeId, plan: StoredPlan, networks: Networks, now_unix_s: u64) {
         let (bytes, held) = (bytes_of(&plan), Arc::new((plan, now_unix_s)));
         let (mut table, now_ns) = self.table();
         table.put(id, Draft { held, bytes, networks, used_ns: now_ns });
@@ -154,6 +155,10 @@ mod tests {
         ChangeId::of_plan(&number.to_le_bytes())
     }
 
+    fn hold(drafts: &Drafts, number: u32, account: &Account) {
+        drafts.hold(&id(number), plan(), Drafts::networks(&id(number), account, &[0; 32]), 1);
+    }
+
     fn address(text: &str) -> Account {
         Account::Address(text.parse().unwrap())
     }
@@ -163,10 +168,10 @@ mod tests {
     fn many_drafts_push_out_their_own() {
         let drafts = Drafts::new(20 * bytes_of(&plan()) as u64);
         for number in 0..8 {
-            drafts.hold(&id(number), plan(), &address(&format!("192.0.2.{number}")), 1);
+            hold(&drafts, number, &address(&format!("192.0.2.{number}")));
         }
         for number in 100..200 {
-            drafts.hold(&id(number), plan(), &address(&format!("2001:db8:1:ff{:02x}::1", number % 20)), 1);
+            hold(&drafts, number, &address(&format!("2001:db8:1:ff{:02x}::1", number % 20)));
             assert!(drafts.get(&id(number)).is_some(), "{number}");
         }
         assert!((0..8).all(|number| drafts.get(&id(number)).is_some()));
@@ -179,7 +184,7 @@ mod tests {
     #[test]
     fn drafts_go_when_nobody_uses_them() {
         let drafts = Drafts::new(u64::MAX);
-        (1..3).for_each(|number| drafts.hold(&id(number), plan(), &Account::Nobody, 1));
+        (1..3).for_each(|number| hold(&drafts, number, &Account::Nobody));
         let mut table = drafts.table().0;
         let idle_ns = IDLE.as_nanos() as u64;
         let used = table.take(&id(2)).unwrap();
@@ -195,7 +200,7 @@ mod tests {
     fn the_newest_is_held_however_large() {
         let drafts = Drafts::new(1);
         for number in 0..3 {
-            drafts.hold(&id(number), plan(), &Account::Nobody, 1);
+            hold(&drafts, number, &Account::Nobody);
             assert!(drafts.get(&id(number)).is_some());
         }
         assert!(drafts.get(&id(0)).is_none());

@@ -8,11 +8,13 @@
 use super::catalogue::Catalogue;
 use super::change_id::{ChangeId, ChangeKind};
 use super::document::{self, Head, damaged, io, unix_s};
+use super::draft_shelf::DraftShelf;
 use super::drafts::Drafts;
 use super::edits::ChangeStep;
 use super::listing::{Cursor, Listed, Page, Viewer};
 use super::pixels;
 use super::posting::Account;
+use super::shared::Shared;
 use super::store_key::StoreKey;
 use super::stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
 use crate::scene_id::SceneId;
@@ -41,6 +43,10 @@ pub struct ChangeStore {
     pub(super) catalogue: Arc<Catalogue>,
     /// Held while files are put to their places or removed, and the index told.
     pub(super) writing: Arc<Mutex<()>>,
+    /// What several servers share; its documents have copies in the folders.
+    pub(super) shared: Option<Arc<Shared>>,
+    /// Where servers have each other's drafts.
+    pub(super) shelf: Option<Arc<dyn DraftShelf>>,
 }
 
 impl ChangeStore {
@@ -54,7 +60,14 @@ impl ChangeStore {
             key: Arc::new(key),
             catalogue: Arc::new(catalogue),
             writing: Arc::default(),
+            shared: None,
+            shelf: None,
         }
+    }
+
+    /// Whether its limits are [`ChangeLimits::none`].
+    pub fn has_no_limits(&self) -> bool {
+        self.limits.is_none()
     }
 
     /// Looks through what is stored: the number of documents. Else the first who needs it waits for that. Meanwhile lists are
@@ -63,7 +76,10 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`] where a folder cannot be read.
     pub fn read_index(&self) -> Result<usize, ChangeStoreError> {
-        self.catalogue.read_beside()
+        self.catalogue.read_beside()?;
+        self.refresh()?;
+        let count = |kind| self.catalogue.with(|index| index.ids(kind).count());
+        Ok(count(ChangeKind::Scenario)? + count(ChangeKind::Plan)?)
     }
 
     /// Documents that were found damaged since this was asked last: they are in no list.
@@ -81,7 +97,7 @@ impl ChangeStore {
 
     /// Whether a stored document or a draft has that id, readable or not. Cheap.
     pub fn is_there(&self, id: &ChangeId) -> bool {
-        self.is_stored(id) || self.drafts.get(id).is_some()
+        self.is_stored(id) || self.draft(id).is_some()
     }
 
     /// Whether a document of that id is on disk and not past its age.
@@ -113,6 +129,9 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Draft`].
     pub fn check_base(&self, base: Option<&ChangeId>) -> Result<(), ChangeStoreError> {
+        if let Some(id) = base {
+            self.fetch_missing(id)?;
+        }
         match base {
             Some(id) if !self.is_stored(id) && self.is_there(id) => {
                 Err(ChangeStoreError::Draft { id: id.clone() })
@@ -123,7 +142,9 @@ impl ChangeStore {
 
     /// Holds a draft plan in memory for some minutes under an id of [`Self::plan_id`].
     pub fn hold_plan(&self, id: &ChangeId, plan: StoredPlan, account: &Account) {
-        self.drafts.hold(id, plan, account, unix_s(SystemTime::now()));
+        let now_unix_s = unix_s(SystemTime::now());
+        let networks = self.shelve(id, &plan, account, now_unix_s);
+        self.drafts.hold(id, plan, networks, now_unix_s);
     }
 
     /// A plan, stored or draft, and since when, seconds since 1970.
@@ -131,8 +152,15 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError`].
     pub fn plan(&self, id: &ChangeId) -> Result<(StoredPlan, u64), ChangeStoreError> {
+        // A draft that is at hand is not looked for elsewhere first.
+        if self.shared.is_some()
+            && !self.is_stored(id)
+            && let Some(held) = self.draft(id)
+        {
+            return Ok((held.0.clone(), held.1));
+        }
         match self.stored_plan(id) {
-            Err(ChangeStoreError::Unknown { .. }) => match self.drafts.get(id) {
+            Err(ChangeStoreError::Unknown { .. }) => match self.draft(id) {
                 Some(held) => Ok(StoredPlan::clone(&held.0)).map(|plan| (plan, held.1)),
                 None => Err(ChangeStoreError::Unknown { id: id.clone() }),
             },
@@ -206,6 +234,7 @@ impl ChangeStore {
     /// # Errors
     /// [`ChangeStoreError::Io`] where the folder cannot be read; [`ChangeStoreError::Reading`].
     pub fn list(&self, kind: ChangeKind) -> Result<Vec<(ChangeId, u64)>, ChangeStoreError> {
+        self.refresh_where_due()?;
         self.catalogue.look_again(kind)?;
         self.catalogue.with(|index| index.list(kind, unix_s(SystemTime::now())))
     }
@@ -222,6 +251,7 @@ impl ChangeStore {
         after: Option<&Cursor>,
         limit: usize,
     ) -> Result<Page<Listed>, ChangeStoreError> {
+        self.refresh_where_due()?;
         self.catalogue.look_again(kind)?;
         let now_s = unix_s(SystemTime::now());
         self.catalogue.with(|index| index.page(kind, scene, viewer, after, limit, now_s))
@@ -229,6 +259,15 @@ impl ChangeStore {
 
     /// A document and what stands before it; unknown where it is past its age.
     pub(super) fn read_document<T: DeserializeOwned>(
+        &self,
+        id: &ChangeId,
+    ) -> Result<(T, Head), ChangeStoreError> {
+        self.fetch_missing(id)?;
+        self.read_copy(id)
+    }
+
+    /// The same of what is in the folders alone.
+    pub(super) fn read_copy<T: DeserializeOwned>(
         &self,
         id: &ChangeId,
     ) -> Result<(T, Head), ChangeStoreError> {

@@ -20,6 +20,11 @@ impl StoreKey {
         Self { path: data_dir.join(FILE), key: OnceLock::new() }
     }
 
+    /// A key that is in no file.
+    pub(super) fn known(key: [u8; 32]) -> Self {
+        Self { path: PathBuf::new(), key: OnceLock::from(key) }
+    }
+
     /// The key; random, unless there is one.
     ///
     /// # Errors
@@ -33,6 +38,13 @@ impl StoreKey {
     }
 }
 
+/// A random key.
+pub(super) fn new_key() -> std::io::Result<[u8; 32]> {
+    let mut key = [0; 32];
+    getrandom::fill(&mut key).map_err(std::io::Error::other)?;
+    Ok(key)
+}
+
 fn read_or_make(path: &Path) -> std::io::Result<[u8; 32]> {
     let read = || -> std::io::Result<[u8; 32]> {
         let text = std::fs::read_to_string(path)?;
@@ -43,8 +55,7 @@ fn read_or_make(path: &Path) -> std::io::Result<[u8; 32]> {
         Err(error) if error.kind() == ErrorKind::NotFound => {}
         read => return read,
     }
-    let mut key = [0; 32];
-    getrandom::fill(&mut key).map_err(std::io::Error::other)?;
+    let key = new_key()?;
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
     // For this user alone, as temporary files are.

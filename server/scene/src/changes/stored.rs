@@ -131,6 +131,9 @@ pub enum ChangeStoreError {
     /// What is stored is still being looked through after the start.
     #[error("what is kept is being looked through; try again soon")]
     Reading,
+    /// The object store that servers share does not answer.
+    #[error(transparent)]
+    Away(#[from] super::shared::StoreAway),
     /// A file that is truncated, altered or of another format.
     #[error("{}: {reason}", path.display())]
     Damaged {

@@ -13,6 +13,7 @@ use super::store::{ChangeStore, PlanDocument};
 use super::stored::{ChangeStoreError, MAX_CHANGE_DEPTH, Scenario, StoredPlan};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::io::ErrorKind;
 use std::sync::PoisonError;
 use std::time::SystemTime;
 
@@ -83,7 +84,7 @@ impl ChangeStore {
     ) -> Result<bool, ChangeStoreError> {
         let path = self.catalogue.path(id, "json");
         let now = SystemTime::now();
-        let before = self.read_document::<T>(id).ok().map(|(_, head)| head);
+        let (before, is_replaced) = self.head_before::<T>(id)?;
         let is_new = before.is_none();
         let mut head = match before {
             Some(head) => head,
@@ -104,17 +105,32 @@ impl ChangeStore {
         let text = document::bytes_of(&path, &head, content)?;
         let bytes = (text.len() + pixels.map_or(0, <[u8]>::len)) as u64;
         let is_pin = head.posted.pinned && (is_new || is_pinned_now);
+        let check_pins =
+            || match !is_pin || self.in_index(|index| index.may_pin(id.kind(), bytes))?.unwrap_or(true) {
+                true => Ok(()),
+                false => Err(ChangeStoreError::PinsFull),
+            };
+        if let Some(shared) = &self.shared {
+            check_pins()?;
+            // Somebody else may have stored the same at another server meanwhile: it is theirs.
+            if !shared.publish(id, &text, pixels, is_new && !is_replaced)? {
+                self.fetch(id)?;
+                let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+                self.renew(Some(id));
+                return Ok(false);
+            }
+        }
         // Files are written before anybody is kept waiting, pixels and all.
         let pixels = pixels.map(|pixels| document::write_beside(self.catalogue.path(id, "bin"), pixels));
         let (pixels, text_file) = (pixels.transpose()?, document::write_beside(path.clone(), &text)?);
         let writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         // Somebody else may have stored the same meanwhile: it is theirs.
-        if is_new && self.read_document::<T>(id).is_ok() {
+        if is_new && self.shared.is_none() && self.read_copy::<T>(id).is_ok() {
             self.renew(Some(id));
             return Ok(false);
         }
-        if is_pin && !self.in_index(|index| index.may_pin(id.kind(), bytes))?.unwrap_or(true) {
-            return Err(ChangeStoreError::PinsFull);
+        if self.shared.is_none() {
+            check_pins()?;
         }
         pixels.map_or(Ok(()), document::Unfinished::put)?;
         text_file.put()?;
@@ -134,8 +150,12 @@ impl ChangeStore {
         self.catalogue.note(&entry);
         self.in_index(|index| index.put(entry))?;
         self.renew(base.as_ref());
-        self.evict(id)?;
+        let gone = self.evict(id)?;
         drop(writing);
+        for (id, pixels) in gone {
+            // Where the store keeps it, it comes back, and goes when the next is stored.
+            let _best_effort = self.shared.as_ref().map(|shared| shared.remove(&id, pixels.as_deref()));
+        }
         document::sync_folder(&self.catalogue.folder(id.kind()))?;
         Ok(is_new)
     }
@@ -159,6 +179,9 @@ impl ChangeStore {
         let mut next = id.cloned();
         for _ in 0..=MAX_CHANGE_DEPTH {
             let Some(id) = next else { return };
+            if let Some(shared) = &self.shared {
+                shared.note_renewed(&id);
+            }
             let now = SystemTime::now();
             let file = std::fs::File::options().write(true).open(self.catalogue.path(&id, "json"));
             // If it is removed meanwhile, the next request for it fails.
@@ -179,13 +202,13 @@ impl ChangeStore {
 
     fn base_of(&self, id: &ChangeId) -> Option<ChangeId> {
         match id.kind() {
-            ChangeKind::Plan => self.read_document::<PlanDocument>(id).ok()?.0.base,
-            ChangeKind::Scenario => self.read_document::<Scenario>(id).ok()?.0.base,
+            ChangeKind::Plan => self.read_copy::<PlanDocument>(id).ok()?.0.base,
+            ChangeKind::Scenario => self.read_copy::<Scenario>(id).ok()?.0.base,
         }
     }
 
-    /// Removes documents beyond the limits, never `newest`.
-    fn evict(&self, newest: &ChangeId) -> Result<(), ChangeStoreError> {
+    /// Removes documents beyond the limits, never `newest`: which, and the hash of the pixels of each.
+    fn evict(&self, newest: &ChangeId) -> Result<Vec<(ChangeId, Option<String>)>, ChangeStoreError> {
         let gone = self.in_index(|index| {
             let (now_s, mut gone) = (unix_s(SystemTime::now()), Vec::new());
             index.withdraw(newest);
@@ -196,11 +219,15 @@ impl ChangeStore {
             index.offer(newest);
             gone
         })?;
-        gone.into_iter().flatten().for_each(|id| self.remove_files(&id));
-        Ok(())
+        let remove = |id: ChangeId| {
+            let pixels = self.pixels_of(&id);
+            self.remove_files(&id);
+            (id, pixels)
+        };
+        Ok(gone.into_iter().flatten().map(remove).collect())
     }
 
-    fn remove_files(&self, id: &ChangeId) {
+    pub(super) fn remove_files(&self, id: &ChangeId) {
         // The document first: pixels without it count as removed.
         for extension in ["json", "bin"] {
             let _may_be_gone_already = std::fs::remove_file(self.catalogue.path(id, extension));
@@ -215,15 +242,23 @@ impl ChangeStore {
     /// [`ChangeStoreError::NotOwner`], [`ChangeStoreError::Unknown`], also of drafts, which go by themselves;
     /// [`ChangeStoreError::Io`].
     pub fn remove(&self, id: &ChangeId, owner: Option<&Owner>) -> Result<(), ChangeStoreError> {
+        self.fetch_missing(id)?;
         if !self.is_stored(id) {
             return Err(ChangeStoreError::Unknown { id: id.clone() });
         }
         if owner.is_some() && !self.head(id)?.posted.is_of(owner) {
             return Err(ChangeStoreError::NotOwner { id: id.clone() });
         }
+        if let Some(shared) = &self.shared {
+            shared.remove(id, self.pixels_of(id).as_deref())?;
+        }
         let path = self.catalogue.path(id, "json");
         let writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
-        std::fs::remove_file(&path).map_err(io(&path))?;
+        match std::fs::remove_file(&path) {
+            // Its copy went with it.
+            Err(error) if error.kind() == ErrorKind::NotFound && self.shared.is_some() => {}
+            removed => removed.map_err(io(&path))?,
+        }
         self.remove_files(id);
         self.in_index(|index| index.take(id))?;
         drop(writing);

@@ -10,6 +10,7 @@ mod layers;
 mod night_sky;
 mod plans;
 mod refusals;
+mod replicas;
 mod scenarios;
 mod shares;
 mod skies;
@@ -20,10 +21,10 @@ mod uploads;
 use serde_json::{Value, json};
 use skyglow_app::{ObservatorySource, SkySource};
 use skyglow_http::{Access, ApiKey, HttpConfig, access::hash_of, router_with_access, serve};
-use skyglow_observatory::Observatory;
+use skyglow_observatory::{CacheSizes, Observatory};
 use skyglow_physics::Turbidity;
 use skyglow_render::{DeviceChoice, Engine, EngineConfig, celestial::CelestialTables, synthetic};
-use skyglow_scene::{SceneStore, create_demo};
+use skyglow_scene::{ChangeLimits, ChangeStore, SceneStore, create_demo};
 use skyglow_tables::{CelestialTable, Scattering};
 use std::{
     path::Path,
@@ -77,11 +78,17 @@ fn source() -> Arc<ObservatorySource> {
         std::fs::remove_dir_all(folder()).unwrap();
     }
     create_demo(&SceneStore::new(folder()), &mut |_| {}).unwrap();
+    source_over(folder(), ChangeStore::new(folder(), ChangeLimits::default()))
+}
+
+/// The program before the scenes of a folder.
+fn source_over(data: &Path, changes: ChangeStore) -> Arc<ObservatorySource> {
     let mut tables = synthetic::table_set(&[1.5, 2.5, 4.0, 6.0], 24);
     tables.extend(synthetic::table_set_of(Scattering::Multiple, &[1.5, 2.5, 4.0], 24));
     let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
     let celestial = [1.5, 2.5, 4.0].map(|t| CelestialTable::synthetic(Turbidity::new(t).unwrap()));
-    let observatory = Observatory::new(Engine::start(config).unwrap(), Vec::new(), folder(), 2)
+    let (engine, sizes) = (Engine::start(config).unwrap(), CacheSizes::of_machine());
+    let observatory = Observatory::with_changes(engine, Vec::new(), data, 2, changes, &sizes)
         .with_celestial_tables(CelestialTables::new(celestial.into()).unwrap());
     Arc::new(ObservatorySource::new(Arc::new(observatory)).with_max_places(20_000))
 }

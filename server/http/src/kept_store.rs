@@ -1,0 +1,261 @@
+//! The store of what is kept, where several servers share one: a bucket of S3, or of what speaks as S3 does, or a folder that all
+//! of them mount.
+
+use futures_util::TryStreamExt;
+use object_store::{
+    ClientConfigKey, Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutPayload, RetryConfig,
+    aws::{AmazonS3Builder, AmazonS3ConfigKey},
+    local::LocalFileSystem,
+    path::Path,
+};
+use skyglow_scene::{DocumentStore, StoreAway, StoredObject};
+use std::{
+    future::Future,
+    sync::{Arc, mpsc},
+    time::{Duration, SystemTime},
+};
+use tokio::runtime::{Builder, Runtime};
+
+/// How long a try of a question to the store may take, and how long all tries of it.
+const TRY_TIMEOUT: &str = "10s";
+const CONNECT_TIMEOUT: &str = "2s";
+const TIMEOUT: Duration = Duration::from_secs(15);
+const MAX_RETRIES: usize = 3;
+
+/// Why there is no store.
+#[derive(Debug, thiserror::Error)]
+pub enum KeptStoreError {
+    /// Not an address of one.
+    #[error("{address:?} is no store: s3://BUCKET/PREFIX, or file:///FOLDER that all servers mount")]
+    BadAddress {
+        /// What was said.
+        address: String,
+    },
+    /// It cannot be had as it is described.
+    #[error("{address}: {reason}")]
+    Refused {
+        /// Its address.
+        address: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// An object store behind calls that wait, on threads of its own.
+#[derive(Debug)]
+pub struct KeptStore {
+    address: String,
+    prefix: Path,
+    store: Arc<dyn ObjectStore>,
+    /// Taken only when this is dropped.
+    runtime: Option<Runtime>,
+}
+
+impl KeptStore {
+    /// The store at an address.
+    ///
+    /// * `options`: names and values of the variables `AWS_…`, which have credentials and endpoints of S3.
+    ///
+    /// # Errors
+    /// [`KeptStoreError`].
+    pub fn open(address: &str, options: &[(String, String)]) -> Result<Self, KeptStoreError> {
+        let bad = || KeptStoreError::BadAddress { address: address.to_owned() };
+        let refused = |reason: String| KeptStoreError::Refused { address: address.to_owned(), reason };
+        let (scheme, rest) = address.split_once("://").ok_or_else(bad)?;
+        let (store, prefix): (Arc<dyn ObjectStore>, &str) = match scheme {
+            "s3" => {
+                let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+                if bucket.is_empty() {
+                    return Err(bad());
+                }
+                let retry = RetryConfig {
+                    max_retries: MAX_RETRIES,
+                    retry_timeout: TIMEOUT,
+                    ..RetryConfig::default()
+                };
+                let client = AmazonS3ConfigKey::Client;
+                let mut builder = AmazonS3Builder::new()
+                    .with_config(client(ClientConfigKey::Timeout), TRY_TIMEOUT)
+                    .with_config(client(ClientConfigKey::ConnectTimeout), CONNECT_TIMEOUT);
+                for (name, value) in options {
+                    // What else is in the environment is nothing to S3.
+                    if let Ok(key) = name.to_ascii_lowercase().parse::<AmazonS3ConfigKey>() {
+                        builder = builder.with_config(key, value);
+                    }
+                }
+                let builder = builder.with_bucket_name(bucket).with_retry(retry);
+                (Arc::new(builder.build().map_err(|error| refused(words(&error)))?), prefix)
+            }
+            "file" if rest.starts_with('/') && rest.len() > 1 => {
+                std::fs::create_dir_all(rest).map_err(|error| refused(error.to_string()))?;
+                let store = LocalFileSystem::new_with_prefix(rest).map_err(|error| refused(words(&error)))?;
+                (Arc::new(store.with_fsync(true)), "")
+            }
+            _ => return Err(bad()),
+        };
+        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("store").enable_all().build();
+        Ok(Self {
+            address: address.to_owned(),
+            prefix: Path::from(prefix),
+            store,
+            runtime: Some(runtime.map_err(|error| refused(error.to_string()))?),
+        })
+    }
+
+    fn path(&self, name: &str) -> Path {
+        Path::from(format!("{}/{name}", self.prefix))
+    }
+
+    fn no_bucket(&self) -> StoreAway {
+        StoreAway { reason: format!("{}: there is no such bucket", self.address) }
+    }
+
+    /// Has a question answered on the store's own threads, and waits.
+    fn wait<T: Send + 'static>(
+        &self,
+        question: impl Future<Output = Result<T, Error>> + Send + 'static,
+    ) -> Result<Result<T, Error>, StoreAway> {
+        let (send, receive) = mpsc::sync_channel(1);
+        let away = |reason: &str| StoreAway { reason: format!("{}: {reason}", self.address) };
+        let runtime = self.runtime.as_ref().ok_or_else(|| away("is closed"))?;
+        runtime.spawn(async move {
+            let answer = tokio::time::timeout(2 * TIMEOUT, question).await;
+            // Who asked waits for it.
+            let _is_waited_for = send.send(answer);
+        });
+        match receive.recv() {
+            Ok(Ok(answer)) => Ok(answer),
+            Ok(Err(_)) => Err(away("took too long")),
+            Err(_) => Err(away("a thread failed")),
+        }
+    }
+
+    fn ask<T: Send + 'static>(
+        &self,
+        question: impl Future<Output = Result<T, Error>> + Send + 'static,
+    ) -> Result<Option<T>, StoreAway> {
+        match self.wait(question)? {
+            Ok(answer) => Ok(Some(answer)),
+            Err(Error::NotFound { .. }) => Ok(None),
+            Err(error) => Err(StoreAway { reason: format!("{}: {}", self.address, words(&error)) }),
+        }
+    }
+}
+
+impl Drop for KeptStore {
+    fn drop(&mut self) {
+        // Also where that is a thread that must not wait.
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background();
+        }
+    }
+}
+
+/// An error with its causes, in one line.
+fn words(error: &dyn std::error::Error) -> String {
+    let mut words = error.to_string();
+    let mut next = error.source();
+    while let Some(cause) = next {
+        let cause_words = cause.to_string();
+        if !words.contains(&cause_words) {
+            words = format!("{words}: {cause_words}");
+        }
+        next = cause.source();
+    }
+    words.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(500).collect()
+}
+
+impl DocumentStore for KeptStore {
+    fn address(&self) -> String {
+        self.address.clone()
+    }
+
+    fn get(&self, name: &str) -> Result<Option<(Vec<u8>, SystemTime)>, StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        self.ask(async move {
+            let found = store.get(&path).await?;
+            let modified = found.meta.last_modified.into();
+            Ok((found.bytes().await?.to_vec(), modified))
+        })
+    }
+
+    fn modified(&self, name: &str) -> Result<Option<SystemTime>, StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        self.ask(async move { store.head(&path).await.map(|found| found.last_modified.into()) })
+    }
+
+    fn put(&self, name: &str, bytes: &[u8]) -> Result<(), StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        let payload = PutPayload::from(bytes.to_vec());
+        self.ask(async move { store.put(&path, payload).await.map(drop) })?.ok_or_else(|| self.no_bucket())
+    }
+
+    fn put_new(&self, name: &str, bytes: &[u8]) -> Result<bool, StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        let payload = PutPayload::from(bytes.to_vec());
+        let put = self.ask(async move {
+            match store.put_opts(&path, payload, PutMode::Create.into()).await {
+                Ok(_) => Ok(true),
+                Err(Error::AlreadyExists { .. }) => Ok(false),
+                Err(error) => Err(error),
+            }
+        })?;
+        put.ok_or_else(|| self.no_bucket())
+    }
+
+    fn remove(&self, name: &str) -> Result<(), StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        self.ask(async move { store.delete(&path).await }).map(drop)
+    }
+
+    fn list(&self, folder: &str) -> Result<Vec<StoredObject>, StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(folder));
+        let found: Option<Vec<ObjectMeta>> =
+            self.ask(async move { store.list(Some(&path)).try_collect().await })?;
+        let prefix = format!("{folder}/");
+        let object = |found: ObjectMeta| StoredObject {
+            name: format!("{prefix}{}", found.location.filename().unwrap_or_default()),
+            modified: found.last_modified.into(),
+        };
+        Ok(found.ok_or_else(|| self.no_bucket())?.into_iter().map(object).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is written is read, once; what is no address is refused.
+    #[test]
+    fn a_folder_is_a_store() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = KeptStore::open(&format!("file://{}/kept", folder.path().display()), &[]).unwrap();
+        assert_eq!(store.list("plans").unwrap(), []);
+        assert!(store.put_new("plans/p-1.json", b"one").unwrap());
+        assert!(!store.put_new("plans/p-1.json", b"two").unwrap());
+        let (bytes, modified) = store.get("plans/p-1.json").unwrap().unwrap();
+        assert_eq!(
+            (bytes.as_slice(), Some(modified)),
+            (&b"one"[..], store.modified("plans/p-1.json").unwrap())
+        );
+        store.put("plans/p-1.json", b"three").unwrap();
+        assert_eq!(store.get("plans/p-1.json").unwrap().unwrap().0, b"three");
+        let names = store.list("plans").unwrap().into_iter().map(|object| object.name).collect::<Vec<_>>();
+        assert_eq!(names, ["plans/p-1.json"]);
+        store.remove("plans/p-1.json").unwrap();
+        store.remove("plans/p-1.json").unwrap();
+        assert_eq!((store.get("plans/p-1.json").unwrap(), store.modified("a").unwrap()), (None, None));
+        for wrong in ["", "plans", "s3://", "file://plans", "file:///", "ftp://a/b"] {
+            assert!(matches!(KeptStore::open(wrong, &[]), Err(KeptStoreError::BadAddress { .. })), "{wrong}");
+        }
+    }
+
+    /// It may be asked and dropped where nothing may wait.
+    #[tokio::test]
+    async fn a_store_works_beside_a_runtime() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = KeptStore::open(&format!("file://{}", folder.path().display()), &[]).unwrap();
+        assert!(store.get("kept.key").unwrap().is_none());
+        drop(store);
+    }
+}
