@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks package container fuzz deny viewer qgis wheel
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks replicas package container fuzz deny viewer qgis wheel
 
 help: ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -43,6 +43,10 @@ faults: ## kill it, fill its disk, damage its files, starve its connections, und
 attacks: ## attack a server of its own, and measure what another user has of it (PARTS="F2 F6", SECONDS=60)
 	@cargo build --release --package skyglow
 	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" scripts/attacks.py --seconds $(or $(SECONDS),60) $(PARTS)
+
+replicas: ## two servers over an S3 server and Redis, one killed under load: is anything lost? (minutes; installs both)
+	@cargo build --release --package skyglow
+	@NODEVICE_SELECT="$${NODEVICE_SELECT:-1}" scripts/replicas.py
 
 package: ## a Debian package and a tarball of the program with its packs, in target/package
 	@deploy/debian/package.sh

@@ -45,7 +45,9 @@ impl ChangeStore {
         account: &Account,
         held_unix_s: u64,
     ) -> Networks {
-        let Some((shelf, key)) = self.shelf.as_ref().zip(self.key.get().ok()) else {
+        // No key is made where there is no shelf.
+        let Some((shelf, key)) = self.shelf.as_ref().and_then(|shelf| Some((shelf, self.key.get().ok()?)))
+        else {
             return Drafts::networks(id, account, &NO_KEY);
         };
         let networks = Drafts::networks(id, account, key);

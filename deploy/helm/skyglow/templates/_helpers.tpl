@@ -1,0 +1,4 @@
+{{- define "skyglow.labels" -}}
+app.kubernetes.io/name: skyglow
+app.kubernetes.io/instance: {{ .Release.Name }}
+{{- end -}}
