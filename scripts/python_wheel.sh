@@ -40,4 +40,4 @@ print(f"zenith {sky.zenith_total_brightness_mag_arcsec2:.2f} mag/arcsec2, Bortle
 END
 )
 
-scripts/python_package.sh python/tests/test_engine.py python/tests/test_distributed.py "$@"
+scripts/python_package.sh python/tests/test_engine.py python/tests/test_distributed.py python/tests/test_export.py "$@"

@@ -1,5 +1,6 @@
 """A server with the demo scene: the one at SKYGLOW_URL, which scripts/python_package.sh starts."""
 
+import logging
 import os
 import time
 
@@ -35,3 +36,19 @@ def client(url):
 @pytest.fixture(scope="session")
 def town(client):
     return client.panorama(*TOWN)
+
+
+@pytest.fixture
+def bucket(monkeypatch):
+    """The address of an S3 server of this process with a bucket `maps`."""
+    from moto.server import ThreadedMotoServer
+
+    logging.getLogger("werkzeug").setLevel(logging.ERROR)
+    server = ThreadedMotoServer("127.0.0.1", 0, verbose=False)
+    server.start()
+    endpoint = "http://{}:{}".format(*server.get_host_and_port())
+    for name, value in {"AWS_ACCESS_KEY_ID": "me", "AWS_SECRET_ACCESS_KEY": "mine", "AWS_REGION": "us-east-1"}.items():
+        monkeypatch.setenv(name, value)
+    httpx.put(f"{endpoint}/maps").raise_for_status()
+    yield endpoint
+    server.stop()

@@ -134,6 +134,39 @@ def test_a_boundary_may_be_of_geopandas_in_any_projection(client):
     assert of_geopandas["share"] == pytest.approx(of_shapely["share"], rel=0.02)
 
 
+def test_shares_are_of_places_and_of_areas(client):
+    towns = client.shares(*VALLEY, limit=5)
+    assert len(towns) == 5
+    assert towns["share"].is_monotonic_decreasing
+    rest = towns.attrs["elsewhere"].share + towns.attrs["other_places"].share
+    assert towns["share"].sum() + rest == pytest.approx(1.0)
+    boxes = [shapely.box(8.7, 46.1, 8.9, 46.2), shapely.box(8.5, 46.0, 9.2, 46.4)]
+    areas = geopandas.GeoDataFrame({"town": ["inner", "outer"]}, geometry=boxes, crs="EPSG:4326").to_crs("EPSG:3857")
+    frame = client.shares(*VALLEY, areas=areas, name_field="town", measure="horizontal")
+    assert list(frame["name"]) == ["outer", "inner"]
+    assert frame.crs == "EPSG:4326"
+    assert frame.geometry.iloc[1].equals_exact(boxes[0], 1e-9)
+    assert frame.attrs["measure"] == "horizontal"
+    with pytest.raises(skyglow.InvalidRequestError):
+        client.shares(*VALLEY, areas=areas, name_field="mayor")
+
+
+def test_tables_are_kept_as_parquet(client, tmp_path):
+    """In one line, with what the numbers depend on."""
+    tables = {
+        "skies": client.skies([TOWN, (0.0, 0.0)], keep_problems=True),
+        "shares": client.shares(*VALLEY),
+        "influence": client.influence(*VALLEY, limit=5),
+        "none": client.influence(*VALLEY, limit=0),
+    }
+    for name, table in tables.items():
+        table.to_parquet(tmp_path / f"{name}.parquet")
+        again = geopandas.read_parquet(tmp_path / f"{name}.parquet")
+        geopandas.testing.assert_geodataframe_equal(again, table, check_index_type=False)
+        assert again.attrs == table.attrs, name
+        assert again.attrs["scene"]["id"] == "demo"
+
+
 def test_a_region_may_be_corners(client):
     frame = client.influence(*VALLEY, region=[(100, 10), (200, 10), (150, 50)], limit=1)
     assert frame.attrs["measure"] == "region"

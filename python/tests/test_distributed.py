@@ -6,29 +6,21 @@ import subprocess
 import sys
 
 import numpy as np
+import obstore
 import pytest
-import rasterio
+from baking import ASKED, DATA, PACKS, bits, by_the_program, made
 
 import skyglow
 import skyglow.distributed
 import skyglow.maps
 
-PLACES, TILES = 20_000, (5, 6)
-DATA = os.environ.get("SKYGLOW_ENGINE_DATA", "")
-PACKS = os.environ.get("SKYGLOW_ENGINE_PACKS", "")
-ASKED = {"turbidity": 3.3, "places": PLACES}
+TILES = (5, 6)
 
 
 @pytest.fixture(scope="module")
 def whole(client, tmp_path_factory):
     """The map as one process of the program makes it."""
-    client.scenes()
-    path = tmp_path_factory.mktemp("whole") / "whole.tif"
-    asked = ["--scene", "demo", "--places", str(PLACES), "--turbidity", "3.3", "--device", "cpu", "-o", path]
-    program = [os.environ["SKYGLOW_PROGRAM"], "atlas", "--data", DATA, "--packs", PACKS]
-    subprocess.run([*program, *asked], check=True, stderr=subprocess.DEVNULL)
-    with rasterio.open(path) as file:
-        return file.read(1), file.transform
+    return by_the_program(client, tmp_path_factory.mktemp("whole") / "whole.tif")
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +34,6 @@ def engine(client):
 def tile(whole):
     rows, columns = whole[0].shape
     return -(-rows // TILES[0]), -(-columns // TILES[1])
-
-
-def bits(values):
-    return np.ascontiguousarray(values, np.float32).view(np.uint32)
-
-
-def made(out, client=None, **more):
-    return skyglow.distributed.atlas("demo", out, client, packs=PACKS, data=DATA, **{**ASKED, **more})
 
 
 def files(out):
@@ -141,6 +125,39 @@ def test_a_map_describes_itself_and_grows(whole, tile, tmp_path):
     with pytest.raises(skyglow.SkyglowError, match="no map of this program"):
         made(theirs, resume=False)
     assert (theirs / "notes.txt").read_text() == "mine"
+
+
+def test_a_bucket_holds_a_map_too(whole, tile, bucket):
+    """On object storage: part by part, by this process and a worker, with a shard deleted and one cut short."""
+    from dask.distributed import Client, LocalCluster
+
+    out, options = "s3://maps/demo.zarr", {"endpoint": bucket, "client_options": {"allow_http": True}}
+    part = made(out, tile=tile, bounds=(8.5, 46.1, 8.9, 46.3), store=options)
+    assert 0 < part.shards < 30
+    first = "luminance/c/0/0"
+    kept = obstore.store.from_url(out, **options)
+
+    def shards():
+        return {entry["path"] for page in obstore.list(kept, "luminance/c") for entry in page}
+
+    assert len(shards()) == part.shards
+    cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50)
+    with cluster, Client(cluster) as workers:
+        report = made(out, workers, store=options)
+    assert (report.shards, report.found) == (30, part.shards)
+    assert np.array_equal(bits(report.open().luminance), bits(whole[0]))
+    before = {path: bytes(obstore.get(kept, path).bytes()) for path in shards()}
+    obstore.delete(kept, "luminance/c/1/1")
+    obstore.put(kept, first, before[first][:-9])
+    again = made(out, store=options)
+    assert (again.shards, again.found) == (30, 28)
+    assert {path: bytes(obstore.get(kept, path).bytes()) for path in shards()} == before
+    # A map that was begun and has no description yet is begun anew; what is of somebody else is left alone.
+    obstore.delete(kept, "zarr.json")
+    assert made(out, tile=tile, bounds=(8.5, 46.1, 8.6, 46.2), store=options).found == 0
+    obstore.put(obstore.store.from_url("s3://maps/theirs", **options), "notes.txt", b"mine")
+    with pytest.raises(skyglow.SkyglowError, match="no map of this program"):
+        made("s3://maps/theirs", store=options, resume=False)
 
 
 def test_without_zarr_it_says_what_is_missing():

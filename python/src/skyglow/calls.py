@@ -107,6 +107,28 @@ def _influential(said: Answer) -> geopandas.GeoDataFrame:
     return points(said["pixels"], {name: value for name, value in said.items() if name != "pixels"})
 
 
+def shares(lat: float, lon: float, areas: Any, asked: Mapping[str, Any]) -> Call[geopandas.GeoDataFrame]:
+    """Whose light a sky is: by named places, or by areas."""
+    query = written.query({"lat": lat, "lon": lon, **asked})
+    if areas is None:
+        call = Call(f"{SCENE}/shares", document, query)
+        return call.then(lambda said: _ranked(points(said["places"]), said, "places"))
+    body = written.body(areas)
+    given = geopandas.GeoDataFrame.from_features(body["features"], crs="EPSG:4326")
+
+    def of_areas(said: Answer) -> geopandas.GeoDataFrame:
+        table = pandas.DataFrame(said["areas"])
+        where = given.geometry.iloc[table["feature"].to_numpy() - 1].to_numpy()
+        return _ranked(geopandas.GeoDataFrame(table, geometry=where, crs="EPSG:4326"), said, "areas")
+
+    return Call(f"{SCENE}/shares", document, query, body).then(of_areas)
+
+
+def _ranked(frame: geopandas.GeoDataFrame, said: Answer, name: str) -> geopandas.GeoDataFrame:
+    frame.attrs = {each: value for each, value in said.items() if each != name}
+    return frame
+
+
 def influence_map(lat: float, lon: float, asked: Mapping[str, Any]) -> Call[xarray.DataArray]:
     """The influence of every lit pixel on the scene's own grid."""
     query = written.query({"lat": lat, "lon": lon, **asked})

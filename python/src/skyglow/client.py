@@ -196,6 +196,12 @@ class AsyncClient(_Settings):
         """See :meth:`Client.influence`."""
         return await self._of_scene(calls.influence(lat, lon, boundary, asked), scene)
 
+    async def shares(
+        self, lat: float, lon: float, *, areas: Any = None, scene: str | None = None, **asked: Any
+    ) -> geopandas.GeoDataFrame:
+        """See :meth:`Client.shares`."""
+        return await self._of_scene(calls.shares(lat, lon, areas, asked), scene)
+
     async def influence_map(
         self, lat: float, lon: float, *, scene: str | None = None, **asked: Any
     ) -> xarray.DataArray:

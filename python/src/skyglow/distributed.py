@@ -22,10 +22,12 @@ from typing import Any
 
 import xarray
 
+from . import stores
 from .engine import Engine
 from .errors import SkyglowError
 from .maps import PLACES, Bounds, BrightnessMap, Frame
 from .shards import Shards, Tile, open_shards
+from .stores import Options, Where
 
 Progress = Callable[[int, int], None]
 
@@ -34,14 +36,17 @@ Progress = Callable[[int, int], None]
 class Report:
     """What became of a map: ``shards`` were asked for, of which ``found`` were there already, in ``seconds``."""
 
-    path: Path
+    path: Path | str
     shards: int
     found: int
     seconds: float
+    store: Options | None = dataclasses.field(default=None, repr=False)
 
     def open(self) -> xarray.Dataset:
         """The map; shards that are not made yet are NaN."""
-        opened: xarray.Dataset = xarray.open_zarr(self.path, consolidated=False, chunks=None)
+        opened: xarray.Dataset = xarray.open_zarr(
+            stores.open_store(self.path, self.store), consolidated=False, chunks=None
+        )
         return opened
 
 
@@ -62,7 +67,7 @@ class _Job:
 
 def atlas(
     scene: str,
-    out: str | os.PathLike[str],
+    out: Where,
     client: Any = None,
     *,
     packs: str | os.PathLike[str] | None = None,
@@ -72,6 +77,7 @@ def atlas(
     bounds: Bounds | None = None,
     resume: bool = True,
     progress: Progress | None = None,
+    store: Options | None = None,
     **parameters: Any,
 ) -> Report:
     """Bakes a map of brightness of a scene into a Zarr v3 array, with the numbers of one bake by one process.
@@ -81,10 +87,11 @@ def atlas(
     wait for each other. A worker that dies is replaced by Dask, and its tasks are done again. Without a client this
     process bakes, on all its cores, with the same engine kept.
 
-    ``out`` is a folder that this process and all workers reach, and so are ``packs`` and ``data`` (see
-    :class:`skyglow.Engine`). A worker with another scene, other packs or another build of the engine is refused.
-    Shards are renamed into place, so they are whole or not there, and one that is made twice is the same. With
-    ``resume`` those that are whole are kept.
+    ``out`` is a folder that this process and all workers reach, or an address of object storage, such as
+    ``s3://bucket/world.zarr``: ``store`` are then options of ``obstore.store.from_url``, such as ``endpoint``, beside
+    what the environment of each process says (``AWS_...``). ``packs`` and ``data`` (see :class:`skyglow.Engine`) are
+    folders. A worker with another scene, other packs or another build of the engine is refused. Shards are whole or
+    not there, and one that is made twice is the same. With ``resume`` those that are whole are kept.
 
     ``places`` are as many as the map has at most, as of ``skyglow atlas``. ``tile`` are rows and columns of a shard; by
     default whole patches, which are found together, so other sizes cost more. ``bounds`` (west, south, east, north)
@@ -95,19 +102,20 @@ def atlas(
     begun = time.monotonic()
     job = _Job(scene, places, _text(packs), _text(data), tuple(sorted(parameters.items())))
     frame = _frame(job, bounds) if client is None else client.submit(_frame, job, bounds, pure=False).result()
-    shards = open_shards(Path(out), frame, tile, resume=resume)
+    shards = open_shards(out, frame, tile, resume=resume, options=store)
     wanted = shards.over(frame.window)
     missing = [shard for shard in wanted if not shards.has(shard)]
     found = len(wanted) - len(missing)
     tell = progress or _shown
     tell(found, len(wanted))
-    bake = (str(Path(out).absolute()), shards.name, job, frame.key)
+    bake = (stores.text(out), shards.name, job, frame.key, store)
     done = _here(bake, missing) if client is None else _by_workers(client, bake, missing)
     with contextlib.closing(done):
         for count, _ in enumerate(done, found + 1):
             tell(count, len(wanted))
     shards.clear_unfinished()
-    return Report(Path(out), len(wanted), found, time.monotonic() - begun)
+    path = str(out) if stores.is_address(out) else Path(out)
+    return Report(path, len(wanted), found, time.monotonic() - begun, store)
 
 
 def _text(path: str | os.PathLike[str] | None) -> str | None:
@@ -120,7 +128,7 @@ def _shown(done: int, shards: int) -> None:
         print(f"\r{done} of {shards} shards", end=end, file=sys.stderr, flush=True)
 
 
-_Bake = tuple[str, str, _Job, str]
+_Bake = tuple[str, str, _Job, str, Options | None]
 
 
 def _here(bake: _Bake, missing: list[Tile]) -> Generator[Tile, None, None]:
@@ -159,11 +167,11 @@ def _frame(job: _Job, bounds: Bounds | None) -> Frame:
 
 def _made(bake: _Bake, shard: Tile) -> Tile:
     """Makes a shard, and writes it."""
-    out, name, job, key = bake
+    out, name, job, key, options = bake
     with _TURN:
         whole = job.map()
         if whole.frame().key != key:
             raise SkyglowError("this worker has another scene, other packs or another build of the engine than the map")
-        shards = Shards(Path(out), name)
+        shards = Shards(stores.open_store(out, options), name)
         shards.write(shard, whole.part(shards.at(shard)))
     return shard

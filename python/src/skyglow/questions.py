@@ -107,6 +107,16 @@ class Questions(Scenes, ABC):
         """
         return self._of_scene(calls.influence(lat, lon, boundary, asked), scene)
 
+    def shares(
+        self, lat: float, lon: float, *, areas: Any = None, scene: str | None = None, **asked: Any
+    ) -> geopandas.GeoDataFrame:
+        """Whose light a sky is: the named places with the largest shares, as points, or areas with theirs.
+
+        ``areas`` are a table of geopandas or a GeoJSON FeatureCollection, whose features have names
+        (``name_field`` says which property). ``frame.attrs`` has the rest: ``total``, ``elsewhere`` or ``outside``.
+        """
+        return self._of_scene(calls.shares(lat, lon, areas, asked), scene)
+
     def influence_map(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> xarray.DataArray:
         """The influence of every lit pixel, on the scene's own grid (needs rasterio)."""
         return self._of_scene(calls.influence_map(lat, lon, asked), scene)

@@ -6,7 +6,6 @@ Shards are windows of the map's own rows and columns, so that poles and the anti
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -14,13 +13,17 @@ from typing import Any
 import numpy as np
 import pyproj
 
+from . import stores
 from .datasets import CONVENTIONS
 from .errors import SkyglowError
 from .maps import Frame, Window
+from .stores import Options, Where
 
 try:
     import zarr
+    from zarr.abc.store import Store
     from zarr.codecs import ZstdCodec
+    from zarr.storage import LocalStore, MemoryStore
 except ModuleNotFoundError as error:
     raise ImportError("maps in shards need zarr 3: pip install 'skyglow[distributed]'") from error
 
@@ -33,14 +36,16 @@ SIDE = 1024
 CONFIG: Any = {"write_empty_chunks": True}
 
 Tile = tuple[int, int]
+# The description of a group or an array; that of the map is written last: where it is there, the map is.
+ROOT = "zarr.json"
 
 
 class Shards:
-    """A map on disk: the folder of a Zarr group, with one file for each shard."""
+    """A map where it is kept: a Zarr group, with one file for each shard."""
 
-    def __init__(self, folder: Path, name: str) -> None:
-        self.folder, self.name = folder, name
-        self._array = zarr.open_array(folder / name, mode="r+").with_config(CONFIG)
+    def __init__(self, store: Store, name: str) -> None:
+        self.store, self.name = store, name
+        self._array = zarr.open_array(store, path=name, mode="r+").with_config(CONFIG)
         rows, columns = self._array.shards or self._array.chunks
         self.tile: Tile = (rows, columns)
 
@@ -60,14 +65,13 @@ class Shards:
         )
         return [(row, column) for row in rows for column in columns]
 
-    def path(self, shard: Tile) -> Path:
+    def key(self, shard: Tile) -> str:
         """The file of a shard."""
-        return self.folder / self.name / "c" / str(shard[0]) / str(shard[1])
+        return f"{self.name}/c/{shard[0]}/{shard[1]}"
 
     def has(self, shard: Tile) -> bool:
         """Whether a shard is there and whole, by the checksums in it."""
-        path = self.path(shard)
-        if not path.is_file() or path.stat().st_size == 0:
+        if not stores.size_of(self.store, self.key(shard)):
             return False
         try:
             self._array[self.at(shard).slices]
@@ -76,41 +80,54 @@ class Shards:
         return True
 
     def write(self, shard: Tile, values: np.ndarray[Any, Any]) -> None:
-        """Writes a shard: beside its place first, then renamed, so that half a shard is never there."""
+        """Writes a shard in one piece: in a folder beside its place, then renamed."""
         # Zarr would read a damaged one.
         if not self.has(shard):
-            self.path(shard).unlink(missing_ok=True)
+            stores.delete(self.store, self.key(shard))
         self._array[self.at(shard).slices] = values
 
     def clear_unfinished(self) -> None:
-        """Removes what writers that were killed left beside shards."""
-        for path in (self.folder / self.name).rglob("*.partial"):
-            path.unlink(missing_ok=True)
+        """Removes what writers that were killed left beside shards in a folder."""
+        if isinstance(self.store, LocalStore):
+            for path in (self.store.root / self.name).rglob("*.partial"):
+                path.unlink(missing_ok=True)
 
 
-def open_shards(folder: Path, frame: Frame, tile: Tile | None, *, resume: bool) -> Shards:
-    """The map of a frame on disk, made where it is not there yet.
+def open_shards(
+    where: Where, frame: Frame, tile: Tile | None, *, resume: bool, options: Options | None = None
+) -> Shards:
+    """The map of a frame where it is kept, made where it is not there yet.
 
     A :class:`SkyglowError` where another map is there, or the same in shards of another size.
     """
-    name = variable(frame)
-    if folder.exists() and any(folder.iterdir()):
-        found = _key(folder)
-        if found is None:
-            raise SkyglowError(f"{folder} is there already and is no map of this program")
-        if resume:
+    name, store = variable(frame), stores.open_store(where, options)
+    if isinstance(store, LocalStore):
+        Path(where).mkdir(parents=True, exist_ok=True)
+    if not stores.is_empty(store):
+        found = _key(store)
+        if found is None and not _is_begun(store, name):
+            raise SkyglowError(f"{where} is there already and is no map of this program")
+        if resume and found is not None:
             if found != frame.key:
                 raise SkyglowError(
-                    f"{folder} is another map, or of another scene, other packs or another build of the engine: "
+                    f"{where} is another map, or of another scene, other packs or another build of the engine: "
                     "resume=False begins anew"
                 )
-            shards = Shards(folder, name)
+            shards = Shards(store, name)
             if tile is not None and shards.tile != _fitted(tile, frame.shape):
-                raise SkyglowError(f"{folder} has shards of {shards.tile} places: resume=False begins anew")
+                raise SkyglowError(f"{where} has shards of {shards.tile} places: resume=False begins anew")
             return shards
-        shutil.rmtree(folder)
-    _create(folder, name, frame, _fitted(tile or _natural(frame), frame.shape))
-    return Shards(folder, name)
+        stores.clear(store)
+    _create(store, name, frame, _fitted(tile or _natural(frame), frame.shape))
+    return Shards(store, name)
+
+
+def variable_in(group: zarr.Group) -> str:
+    """The name of the map of a group."""
+    names = [name for name, array in group.arrays() if "colour_range" in array.attrs]
+    if len(names) != 1:
+        raise SkyglowError("this is no map of skyglow.distributed.atlas, or one of an older version: bake it anew")
+    return names[0]
 
 
 def variable(frame: Frame) -> str:
@@ -118,11 +135,20 @@ def variable(frame: Frame) -> str:
     return {"cd m-2": "luminance", "lx": "illuminance"}.get(frame.unit, "radiance_seen")
 
 
-def _key(folder: Path) -> str | None:
+def _key(store: Store) -> str | None:
     try:
-        return str(zarr.open_group(folder, mode="r").attrs[KEY])
+        return str(zarr.open_group(store, mode="r").attrs[KEY])
     except (FileNotFoundError, KeyError):
         return None
+
+
+def _is_begun(store: Store, name: str) -> bool:
+    """Whether a map was begun, and whoever made it ended before its description was there."""
+    try:
+        attributes = zarr.open_array(store, path=name, mode="r").attrs
+    except (FileNotFoundError, KeyError, ValueError):
+        return False
+    return stores.size_of(store, ROOT) is None and attributes.get("grid_mapping") == "spatial_ref"
 
 
 def _natural(frame: Frame) -> Tile:
@@ -149,13 +175,11 @@ def _chunk(side: int) -> int:
     return largest if largest >= 16 else side
 
 
-def _create(folder: Path, name: str, frame: Frame, tile: Tile) -> None:
+def _create(store: Store, name: str, frame: Frame, tile: Tile) -> None:
     reference = pyproj.CRS.from_wkt(frame.crs_wkt)
     names = ("latitude", "longitude") if reference.is_geographic else ("y", "x")
-    # Made beside its place: a map without its description is never there.
-    unfinished = folder.with_name(f".{folder.name}.unfinished")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    group = zarr.open_group(unfinished, mode="w", zarr_format=3, attributes=_attributes(frame))
+    made = MemoryStore()
+    group = zarr.open_group(made, mode="w", zarr_format=3, attributes=_attributes(frame))
     x, across, x_by_row, y, y_by_column, down = frame.transform
     if x_by_row == 0 == y_by_column:
         sides = ((names[0], y, down, frame.shape[0]), (names[1], x, across, frame.shape[1]))
@@ -177,14 +201,12 @@ def _create(folder: Path, name: str, frame: Frame, tile: Tile) -> None:
         attributes={
             "long_name": frame.description,
             "units": frame.unit,
+            "colour_range": list(frame.colour_range),
             "grid_mapping": "spatial_ref",
             "coordinates": "spatial_ref",
         },
     )
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    if folder.exists():
-        folder.rmdir()
-    unfinished.rename(folder)
+    stores.copy(made, store, first=f"{name}/{ROOT}", last=ROOT)
 
 
 def _axes(reference: pyproj.CRS) -> tuple[tuple[str, str, str], tuple[str, str, str]]:
@@ -202,6 +224,7 @@ def _attributes(frame: Frame) -> dict[str, Any]:
         "scene": scene["id"],
         "scene_version": scene["version"],
         "attribution": frame.attribution or "",
+        "date": frame.date or "",
         "warnings": "\n".join(frame.assumptions["warnings"]),
         "assumptions": json.dumps(frame.assumptions, ensure_ascii=False),
         KEY: frame.key,
