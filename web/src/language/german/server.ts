@@ -16,6 +16,7 @@ export const server: ServerWords = {
     "keys-only": "Das ist nur mit einem Schlüssel möglich",
     "pins-full": "Mehr lässt sich nicht dauerhaft aufheben",
     storage: "Der Server kann das jetzt nicht aufheben",
+    "store-away": "Der Speicher der Server ist nicht zu erreichen",
     "scene-too-large": "Die Szene braucht mehr Speicher, als da ist",
     "outside-scene": "Der Ort liegt außerhalb der Szene",
     "unknown-tile": "Diese Kachel gibt es nicht",
@@ -96,6 +97,10 @@ export const server: ServerWords = {
       "es ist so viel dauerhaft aufgehoben wie möglich, nämlich die Hälfte von allem",
     ],
     ["the server cannot keep this now; try again later", "der Server kann das jetzt nicht aufheben; später noch einmal versuchen"],
+    [
+      "what is kept cannot be reached now, nor can anything be kept; try again in a minute",
+      "was aufgehoben ist, ist jetzt nicht zu erreichen, und nichts lässt sich aufheben; in einer Minute noch einmal versuchen",
+    ],
     [
       "latitude {}, longitude {} lies outside the scene, which reaches from west {} south {} to east {} north {}",
       "die Breite {} und Länge {} liegt außerhalb der Szene; sie reicht von West {} Süd {} bis Ost {} Nord {}",
