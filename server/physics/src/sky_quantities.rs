@@ -17,8 +17,8 @@ pub use crate::{natural_sky::NaturalSky, sky_sums::ZENITH_CAP_RAD};
 
 /// The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
 /// natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
-/// the sky, all are of the visible part. Nothing natural comes through clouds: under a closed layer totals are artificial light
-/// alone, and under any clouds what speaks of stars is null.
+/// the sky, all are of the visible part. Clouds let a part of the natural sky through, and under them what speaks of stars is
+/// null.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = QuantitiesAnswer))]
 pub struct SkyQuantities {

@@ -34,7 +34,7 @@ pub(crate) struct SkylineView {
 impl SkylineView {
     /// * `largest_m`: no block of a larger radius counts as one.
     ///
-    /// Makes the tiles that are not there yet, at about a third of a millisecond a light.
+    /// Makes the tiles that are not there yet, at some tenths of a millisecond of a core a light.
     pub(crate) fn new(store: &SkylineTiles, ground: &TileGround<'_>, discs: &[Disc], largest_m: f64) -> Self {
         let level = ground.level();
         let (wanted, above_tiles) = needed(ground, discs, largest_m);

@@ -188,7 +188,7 @@ pub struct Assumptions {
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
     /// What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
-    /// have, skylines that the scene or the packs do not know, the natural sky behind clouds.
+    /// have, skylines that the scene or the packs do not know, stars behind clouds.
     pub warnings: Vec<String>,
 }
 

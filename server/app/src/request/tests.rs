@@ -129,7 +129,7 @@ fn what_is_not_resident_is_said_to_be_so() {
     }
 }
 
-/// Clouds are those that tables are resident for and let nothing natural through.
+/// Clouds are those that tables are resident for.
 #[test]
 fn clouds_are_those_that_are_resident() {
     let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().field_errors().to_vec();

@@ -27,8 +27,10 @@ pub(crate) struct TerrainRaster {
     levels: Vec<LevelIndex>,
     blob: Blob,
     cache: Mutex<TileCache>,
-    /// Built at the first horizon query; it takes a pass over all samples.
+    /// Built at the first horizon query, which takes a pass over all samples, where it is not stored.
     maxima: OnceLock<MaxMipmap>,
+    /// Whether its tiles stay in their file: each has a checksum, and the maxima are stored.
+    stays_in_file: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -189,7 +191,7 @@ impl TerrainRaster {
         sections
             .push((format!("levels{number}"), Cow::Owned((self.levels.len() as u32).to_le_bytes().to_vec())));
         if let Blob::Memory(blob) = &self.blob {
-            if is_large(&self.grid) {
+            if self.stays_in_file {
                 sections.push((format!("highest{number}"), Cow::Borrowed(self.maxima().lowest_bytes())));
                 sections.push((format!("outside{number}"), Cow::Borrowed(blob)));
             } else {
@@ -228,6 +230,7 @@ impl TerrainRaster {
                 let file = file.try_clone().map_err(|error| format!("cannot be opened ({error})"))?;
                 Blob::File(file, outside.start)
             }
+            _ if sections.has(&name) => Blob::Memory(sections.bytes(&name)?.into_owned()),
             _ => Blob::Memory(sections.bytes(&format!("blob{number}"))?.into_owned()),
         };
         let maxima = OnceLock::new();
@@ -237,13 +240,9 @@ impl TerrainRaster {
             let _first = maxima.set(lowest.ok_or("holds bounds that do not fit its terrain")?);
         }
         let sample_size_m = grid.pixel_size_m();
-        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), maxima })
+        let stays_in_file = sections.has(&highest);
+        Ok(Self { grid, sample_size_m, levels, blob, cache: Mutex::default(), maxima, stays_in_file })
     }
-}
-
-/// Whether a raster has so many samples that its tiles stay in their file: each has a checksum, and bounds are stored.
-fn is_large(grid: &Grid) -> bool {
-    u64::from(grid.width) * u64::from(grid.height) > MAX_SAMPLES_IN_MEMORY
 }
 
 /// Takes the rows of a raster from the top and packs them.
@@ -257,6 +256,7 @@ impl TerrainRasterBuilder {
     pub(crate) fn new(grid: Grid) -> Self {
         let level = LevelIndex { width: grid.width as usize, height: 0, tiles: Vec::new() };
         let sample_size_m = grid.pixel_size_m();
+        let stays_in_file = u64::from(grid.width) * u64::from(grid.height) > MAX_SAMPLES_IN_MEMORY;
         let layer = TerrainRaster {
             grid,
             sample_size_m,
@@ -264,6 +264,7 @@ impl TerrainRasterBuilder {
             blob: Blob::Memory(Vec::new()),
             cache: Mutex::default(),
             maxima: OnceLock::new(),
+            stays_in_file,
         };
         Self { layer, blob: Vec::new(), rows: Vec::new() }
     }
@@ -330,7 +331,7 @@ impl TerrainRaster {
     /// Packs a tile behind `blob`.
     fn pack_tile(&self, samples: &[f32], blob: &mut Vec<u8>) -> Result<TileEntry, std::io::Error> {
         let mut entry = tile::pack(samples, blob)?;
-        if is_large(&self.grid) && entry.length > 0 {
+        if self.stays_in_file && entry.length > 0 {
             entry.checksum = tile::checksum(&blob[entry.start as usize..]);
         }
         Ok(entry)
@@ -348,5 +349,94 @@ impl TerrainRaster {
             if count > 0.0 { (sum / count) as f32 } else { f32::NAN }
         };
         (0..SAMPLES).map(mean).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::GeographicAxes;
+    use crate::sections::{self, Inside};
+    use crate::terrain::Terrain;
+    use std::io::Write;
+
+    const SIZE: (u32, u32) = (300, 260);
+
+    fn terrain() -> Terrain {
+        let axes = GeographicAxes {
+            first_longitude_deg: 7.0,
+            first_latitude_deg: 47.0,
+            longitude_step_deg: 0.01,
+            latitude_step_deg: -0.01,
+        };
+        let mut builder = TerrainRasterBuilder::new(Grid::geographic(axes, SIZE.0, SIZE.1));
+        builder.layer.stays_in_file = true;
+        for row in 0..SIZE.1 {
+            let height = |column: u32| 900.0 + 700.0 * ((column * row) as f32 / 999.0).sin();
+            let row: Vec<f32> =
+                (0..SIZE.0).map(|c| if (c + row) % 97 == 0 { f32::NAN } else { height(c) }).collect();
+            builder.push_row(&row).unwrap();
+        }
+        Terrain::new(vec![builder.finish().unwrap()])
+    }
+
+    fn written(bytes: &[u8]) -> File {
+        let mut file = tempfile::tempfile().unwrap();
+        file.write_all(bytes).unwrap();
+        file
+    }
+
+    fn opened(bytes: &[u8]) -> Result<Terrain, Flaw> {
+        let file = written(bytes);
+        let inside = Inside::read(&file).unwrap()?.unwrap();
+        Terrain::from_sections(&inside.sections(), Some(&file))
+    }
+
+    /// All samples of all levels, row by row.
+    fn samples(terrain: &Terrain) -> Vec<Option<u64>> {
+        let raster = &terrain.rasters[0];
+        let of_level = |level: usize| {
+            let (width, height) = (raster.levels[level].width as i64, raster.levels[level].height as i64);
+            (0..height).flat_map(move |row| {
+                (0..width).map(move |column| raster.sample_m(level, column, row).map(f64::to_bits))
+            })
+        };
+        (0..raster.levels.len()).flat_map(of_level).collect()
+    }
+
+    /// Terrain of which the tiles stay in the file is the same, with its bounds known from the start.
+    #[test]
+    fn terrain_in_its_file_is_the_same() {
+        let terrain = terrain();
+        let bytes = sections::pack(&terrain.to_sections()).unwrap();
+        let in_file = opened(&bytes).unwrap();
+        assert!(in_file.rasters[0].has_maxima() && in_file.byte_count() < terrain.byte_count());
+        assert_eq!(samples(&in_file), samples(&terrain));
+        let whole = Terrain::from_sections(&Sections::parse(&bytes).unwrap(), None).unwrap();
+        assert_eq!(samples(&whole), samples(&terrain));
+        let bounds = |terrain: &Terrain| {
+            let maxima = terrain.rasters[0].maxima();
+            let of = |at: usize| maxima.max_over_m(at..=at + 20, at..=at + 3).to_bits();
+            (0..250).map(of).chain([maxima.highest_m().to_bits()]).collect::<Vec<_>>()
+        };
+        let fresh = TerrainRaster { maxima: OnceLock::new(), ..terrain.rasters.into_iter().next().unwrap() };
+        assert_eq!(bounds(&in_file), bounds(&Terrain::new(vec![fresh])));
+    }
+
+    /// An altered tile is void, and the others are as they were; what is read at once is refused where it was altered.
+    #[test]
+    fn altered_tiles_are_void() {
+        let terrain = terrain();
+        let mut bytes = sections::pack(&terrain.to_sections()).unwrap();
+        let file = written(&bytes);
+        let inside = Inside::read(&file).unwrap().unwrap().unwrap();
+        let at = inside.sections().outside("outside0").unwrap().start as usize;
+        bytes[at + 9] ^= 1;
+        let altered = samples(&opened(&bytes).unwrap());
+        let differing = samples(&terrain).iter().zip(&altered).filter(|(a, b)| a != b).count();
+        assert!(differing > SAMPLES / 2 && differing <= SAMPLES, "{differing}");
+        assert!(opened(&bytes[..at + 20]).is_err());
+        bytes[at - 3] ^= 1;
+        assert!(opened(&bytes).unwrap_err().contains("altered"));
     }
 }
