@@ -49,6 +49,6 @@ def bucket(monkeypatch):
     endpoint = "http://{}:{}".format(*server.get_host_and_port())
     for name, value in {"AWS_ACCESS_KEY_ID": "me", "AWS_SECRET_ACCESS_KEY": "mine", "AWS_REGION": "us-east-1"}.items():
         monkeypatch.setenv(name, value)
-    httpx.put(f"{endpoint}/maps").raise_for_status()
+    httpx.put(f"{endpoint}/maps", timeout=120).raise_for_status()
     yield endpoint
     server.stop()
