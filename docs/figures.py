@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds|natural]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds|natural|ground|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil python3-matplotlib
 """
 
@@ -170,13 +170,19 @@ def land():
 
 
 def clouds():
-    """A town on a lake of the demo under no clouds, some, more and a closed layer; one eye for all."""
-    see = lambda **params: picture(f"{API}/scenes/demo/panorama.png", legend="off", **params)
-    look = {"lat": 46.17, "lon": 8.79, "time": "2026-08-12T22:30:00Z", "style": "eye", "adaptation": 0.004, "projection": "fisheye",
-            "width": 400, "height_px": 400}
+    """A town on a lake of the demo under no clouds, some, more and a closed layer, by starlight and by the full Moon; then a valley there."""
+    see = lambda **params: picture(f"{API}/scenes/demo/panorama.png", legend="off", style="eye", **params)
+    dome = {"projection": "fisheye", "width": 400, "height_px": 400}
     some = {"clouds": 1500, "cloud_cover": 0.3, "cloud_pattern": 3}
     more = {"clouds": 1500, "cloud_cover": 0.6, "cloud_pattern": 2}
-    side_by_side("clouds", [[see(**look, **layer) for layer in ({}, some, more, {"clouds": 1500})]])
+    layers = ({}, some, more, {"clouds": 1500})
+    town = {"lat": 46.17, "lon": 8.79, "time": "2026-08-12T22:30:00Z", "adaptation": 0.004}
+    moonlit = {"lat": 46.53, "lon": 8.61, "time": "2026-08-27T22:30:00Z", "adaptation": 0.006}
+    side_by_side("clouds", [[see(**place, **dome, **layer) for layer in layers] for place in (town, moonlit)])
+    valley = {"lat": 46.23, "lon": 8.98, "height": 20, "projection": "perspective", "azimuth": 250, "elevation": 8, "fov": 70,
+              "width": 700, "height_px": 350, "ground": "lit", "adaptation": 0.003}
+    times = ("2026-08-12T22:30:00Z", "2026-08-20T19:45:00Z")
+    side_by_side("valley", [[see(**valley, **layer, time=time) for layer in ({}, more)] for time in times])
 
 
 COMPONENTS = {
@@ -222,6 +228,71 @@ def natural():
     side_by_side("all-skies", [[picture(f"{API}/scenes/demo/panorama.png", **dome, time=time) for time in hours]])
 
 
+def swaps():
+    """What other lamps at as many lumens do to the zenith, by the distance from a town: a town of its own in the place of the demo's lights."""
+    from matplotlib import pyplot
+
+    everywhere = [[4.0, 42.5], [15.0, 42.5], [15.0, 49.0], [4.0, 49.0], [4.0, 42.5]]
+    town = {"points": [[10.0, 46.0]], "radius_m": 2000}
+    edits = [polygon(everywhere, factor=0), {"brush": town, "add_radiance_nw_cm2_sr": 50}]
+    alone = ask("POST", f"{API}/scenes/demo/scenarios", json={"edits": edits}).json()["id"]
+    distances_km = [1, 2, 3, 5, 7, 10, 15, 20, 30, 40, 50, 65, 80]
+
+    def zeniths(lamp):
+        found = []
+        for distance_km in distances_km:
+            at = {"lat": 46.0, "lon": 10.0 - distance_km / 77.2, **OPEN, "altitude": 300, "scenario": alone, "lamp": lamp}
+            answer = ask("GET", f"{API}/scenes/demo/sky", params=at).json()
+            lumens = answer["lamp"]["lumens_per_dnb_watt"]
+            found.append({each["response"]: each["value"] / lumens for each in answer["sky"]["zenith_by_response"]})
+        return found
+
+    sodium = zeniths("hps")
+    figure, axes = pyplot.subplots(1, 3, figsize=(11, 3.8), sharex=True, layout="constrained")
+    responses = {"scotopic": "eye adapted to the dark", "photopic": "eye adapted to light", "sqm": "Sky Quality Meter"}
+    for lamp, colour in {"led_4000k": "#2b6cb0", "led_2700k": "#dd8a2c", "pc_amber": "#b7791f", "lps": "#744210"}.items():
+        other = zeniths(lamp)
+        for axis, response in zip(axes, responses):
+            factors = [new[response] / old[response] for new, old in zip(other, sodium)]
+            axis.plot(distances_km, factors, color=colour, label=lamp, marker="o", markersize=3)
+    for axis, words in zip(axes, responses.values()):
+        axis.set(title=words, xscale="log", xlabel="distance from the town, km")
+        axis.axhline(1, color="grey", linewidth=0.8)
+        axis.grid(alpha=0.25)
+        axis.set_ylim(0, None)
+    axes[0].set_ylabel("zenith, times that of high-pressure sodium")
+    axes[0].legend(fontsize=8, loc=(0.6, 0.34))
+    figure.savefig(f"{FOLDER}/lamp-swaps.png", dpi=110)
+
+
+def ground():
+    """What level ground has of the demo's lamps by way of the sky, in units of half a Moon."""
+    import time
+
+    from matplotlib import colors, pyplot
+
+    at = {"lat": -2.3, "lon": 36.9, "terrain": "off", "time": "2026-08-20T16:30:00Z"}
+    answer = ask("GET", f"{API}/scenes/{SCENE}/sky", params=at).json()
+    half_moon_lx = answer["sky"]["horizontal_total_illuminance_lx"]
+    altitude_deg = answer["night_sky"]["moon"]["apparent_altitude_deg"]
+    while (file := requests.get(f"{API}/scenes/demo/layers/brightness.tif", params={"measure": "horizontal"}, timeout=300)).status_code in (202, 503):
+        time.sleep(2)
+    with rasterio.open(io.BytesIO(file.content)) as raster:
+        moons, box = raster.read(1) / half_moon_lx, raster.bounds
+    figure, axis = pyplot.subplots(figsize=(9, 6.2), layout="constrained")
+    extent = (box.left, box.right, box.bottom, box.top)
+    image = axis.imshow(moons, extent=extent, aspect=1.43, cmap="magma", norm=colors.LogNorm(1e-4, 2))
+    lines = axis.contour(moons, levels=[1e-3, 1e-2, 1e-1, 1], extent=extent, origin="upper", colors="white", linewidths=0.7)
+    axis.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=8)
+    for place in ask("GET", f"{API}/scenes/demo/places").json()[:9]:
+        axis.annotate(place["name"], (place["longitude_deg"], place["latitude_deg"]), color="white", fontsize=8,
+                      xytext=(5, 5), textcoords="offset points")
+    axis.set(xlabel="longitude, degrees", ylabel="latitude, degrees",
+             title=f"Level ground in the sky's artificial light, by that of a half Moon {altitude_deg:.0f}° up ({1e3 * half_moon_lx:.0f} mlx)")
+    figure.colorbar(image, ax=axis, label="half Moons", shrink=0.8)
+    figure.savefig(f"{FOLDER}/ground.png", dpi=100)
+
+
 def main():
     alone = sys.argv[4:]
     if not alone or "night" in alone:
@@ -232,6 +303,10 @@ def main():
         clouds()
     if not alone or "natural" in alone:
         natural()
+    if not alone or "ground" in alone:
+        ground()
+    if not alone or "swaps" in alone:
+        swaps()
     if alone:
         return
     scale = {"min": 3e-6, "max": 3e-3, "width": 640, "height_px": 240}
