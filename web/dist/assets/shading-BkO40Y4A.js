@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-Df0CC2i2.js";

@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-C7x63M-W.js";

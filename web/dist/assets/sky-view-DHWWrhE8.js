@@ -1,1 +1,0 @@
-export{t as SkyView}from"./sky-view-BzPy8e55.js";
