@@ -129,6 +129,7 @@ mod tests {
             [
                 "serve",
                 "ingest",
+                "prepare",
                 "scenes",
                 "precompute",
                 "packs",

@@ -1364,7 +1364,7 @@ export interface components {
             turbidity: number;
             /**
              * @description What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
-             *     have, skylines that the scene or the packs do not know, the natural sky behind clouds.
+             *     have, skylines that the scene or the packs do not know, stars behind clouds.
              */
             warnings: string[];
         };
@@ -2806,8 +2806,8 @@ export interface components {
         /**
          * @description The numbers of a sky. Luminances are artificial light alone unless the name says `total`, which adds the
          *     natural sky: that of the `time` asked for, or without one the dark reference in every direction. Magnitudes are null for a sky without light. Where terrain hides part of
-         *     the sky, all are of the visible part. Nothing natural comes through clouds: under a closed layer totals are artificial light
-         *     alone, and under any clouds what speaks of stars is null.
+         *     the sky, all are of the visible part. Clouds let a part of the natural sky through, and under them what speaks of stars is
+         *     null.
          */
         QuantitiesAnswer: {
             /**

@@ -147,8 +147,8 @@ fn clouds_are_those_that_are_resident() {
     };
     let (sky, view) = read("&clouds=2000&sky=total&turbidity=3").unwrap();
     assert_eq!((sky.cloud_base_m, sky.scattering), (Some(2_000), Scattering::Single));
-    assert_eq!(view.options.sky, Sky::Artificial);
-    assert_eq!(read("&sky=total").unwrap().1.options.sky, Sky::Total);
+    assert_eq!(view.options.sky, Sky::Total);
+    assert_eq!(read("&clouds=2000").unwrap().1.options.sky, Sky::Artificial);
     // The best resident is that of a clear sky, whatever comes after it.
     assert_eq!(read("").unwrap().0.scattering, Scattering::Single);
     for (query, allowed) in [

@@ -148,7 +148,9 @@ mod tests {
         }
         assert!(lit > 1_000, "{lit}");
         let count = |radiances: &[f32]| radiances.iter().filter(|radiance| **radiance > 0.0).count();
-        assert!(count(&large) > 2 * count(&small));
+        // The rest of the strip, a sixteenth of the Earth, has its part of the others.
+        let [few, many] = [&small, &large].map(|radiances| count(radiances));
+        assert!(10 * many > 13 * few, "{few} {many}");
     }
 
     /// A file in strips is the raster that was painted.
