@@ -9,6 +9,7 @@ use crate::{
     sampler::{Sampler, taps},
 };
 use skyglow_physics::{Direction, Horizon, Response, SeenSky, photometry::naked_eye_limit_mag};
+use std::f64::consts::PI;
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
 const EYE_BLUR_RAD: f64 = 1.1e-3;
@@ -29,13 +30,26 @@ pub struct SkyBodies {
 }
 
 impl SkyBodies {
+    /// Moon and Sun where no ground hides them, as sources of glare.
+    pub(crate) fn halos(&self, horizon: &Horizon) -> Vec<Halo> {
+        let is_seen = |disc: &&Disc| disc.direction.elevation_rad >= 0.0 && !horizon.hides(disc.direction);
+        let halo = |disc: &Disc| {
+            let solid_angle_sr = PI * disc.radius_rad * disc.radius_rad;
+            let mean =
+                |i: usize| disc.lit_share * disc.lit_cd_m2[i] + (1.0 - disc.lit_share) * disc.dark_cd_m2[i];
+            let illuminance_lx = std::array::from_fn(|i| solid_angle_sr * mean(i));
+            Halo::new(disc.direction, disc.radius_rad, illuminance_lx)
+        };
+        self.discs.iter().filter(is_seen).map(halo).collect()
+    }
+
     /// The points that the naked eye sees before a sky, which holds all light there is, and the veil that the eye makes of it.
     pub fn seen_points(&self, sky: &SeenSky, horizon: &Horizon) -> Vec<PointLight> {
         let filled = without_ground(sky, horizon);
         let Some(plane) = filled.seen_by(&Response::Photopic).filter(|_| !self.points.is_empty()) else {
             return Vec::new();
         };
-        let halos = Halo::of(&self.discs, horizon);
+        let halos = self.halos(horizon);
         let glare = Glare::new([plane; 4], &halos);
         let sampler = Sampler::new([plane]);
         let background = |direction| {
@@ -204,7 +218,28 @@ impl Disc {
 mod tests {
     use super::*;
     use crate::{PictureOptions, Projection, Style, fixtures::grey_sky, picture::picture_with};
-    use skyglow_physics::Response;
+    use skyglow_physics::{AZIMUTH_COUNT, Response};
+
+    /// A half Moon lights as its disc does, and nothing is behind a hill.
+    #[test]
+    fn a_hidden_moon_does_not_glare() {
+        let moon = Disc {
+            direction: looking(60.0, 30.0),
+            radius_rad: 0.26f64.to_radians(),
+            lit_cd_m2: [2500.0; 4],
+            dark_cd_m2: [0.0; 4],
+            lit_share: 0.5,
+            bright_limb_rad: 0.0,
+        };
+        let bodies = SkyBodies { discs: vec![moon], ..SkyBodies::default() };
+        let halo = Halo::new(moon.direction, moon.radius_rad, [0.0809; 4]);
+        let beside = looking(60.0, 31.0);
+        let [found] = bodies.halos(&Horizon::flat())[..] else { panic!("one halo") };
+        let [found, wanted] = [found, halo].map(|halo| halo.near(beside).unwrap()[1]);
+        assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
+        let hill = Horizon::new(vec![0.7; AZIMUTH_COUNT]).unwrap();
+        assert!(bodies.halos(&hill).is_empty());
+    }
 
     fn looking(azimuth_deg: f64, elevation_deg: f64) -> Direction {
         Direction { azimuth_rad: azimuth_deg.to_radians(), elevation_rad: elevation_deg.to_radians() }

@@ -5,7 +5,6 @@ use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
     eye::Seen,
-    glare::Halo,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
     legend::{self, Beyond},
     lit::LitPicture,
@@ -50,7 +49,7 @@ pub fn picture_with(
 ) -> Result<RgbImage, DisplayError> {
     options.check()?;
     let seen = without_ground(seen, horizon);
-    let painter = Painter::new(&seen, response, options, Halo::of(&bodies.discs, horizon))?;
+    let painter = Painter::new(&seen, response, options, bodies.halos(horizon))?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
     let (canvas_width_px, canvas_height_px) = canvas_size_px(options);

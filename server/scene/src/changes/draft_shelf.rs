@@ -1,26 +1,16 @@
 //! Drafts where other servers find them too, for as long as in memory: each holds its own, and takes over what it is asked for.
 
 use super::change_id::ChangeId;
-use super::drafts::{Drafts, Held};
+use super::drafts::{DraftShelf, Drafts, Held};
 use super::pixels;
 use super::posting::{Account, Networks};
 use super::store::{ChangeStore, PlanDocument};
 use super::stored::StoredPlan;
 use serde::{Deserialize, Serialize};
-use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Networks are not written out where there is no shelf, so no secret has to hide them.
 const NO_KEY: [u8; 32] = [0; 32];
-
-/// Bytes by ids for some minutes after their last use, such as Valkey has. What cannot be put there or had is done without.
-pub trait DraftShelf: Debug + Send + Sync {
-    /// Puts a draft there.
-    fn put(&self, id: &str, bytes: &[u8]);
-
-    /// A draft that is there.
-    fn get(&self, id: &str) -> Option<Vec<u8>>;
-}
 
 /// A draft but for its pixels.
 #[derive(Serialize, Deserialize)]

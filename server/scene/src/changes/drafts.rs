@@ -6,8 +6,18 @@ use super::posting::{Account, NETWORK_TIERS, Networks};
 use super::shares::{Aged, Share};
 use super::stored::StoredPlan;
 use std::collections::{BTreeSet, HashMap};
+use std::fmt::Debug;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+/// Bytes by ids for some minutes after their last use, such as Valkey has. What cannot be put there or had is done without.
+pub trait DraftShelf: Debug + Send + Sync {
+    /// Puts a draft there.
+    fn put(&self, id: &str, bytes: &[u8]);
+
+    /// A draft that is there.
+    fn get(&self, id: &str) -> Option<Vec<u8>>;
+}
 
 /// How long a draft is held after its last use.
 const IDLE: Duration = Duration::from_secs(600);

@@ -27,12 +27,14 @@ mod writing;
 pub use area::{Area, AreaError, MAX_BRUSH_POINTS};
 pub use canvas::{ChangeError, MAX_NEW_LIGHTS, MAX_NEW_LIGHTS_WITH_TERRAIN};
 pub use change_id::{ChangeId, ChangeKind};
-pub use draft_shelf::DraftShelf;
+pub use drafts::DraftShelf;
 pub use edits::{Change, ChangeStep, Edit, MAX_EDITS, PixelFactors};
 pub use listing::{Cursor, Listed, Outline, Page, Viewer};
 pub(crate) use overlay::Base;
 pub use overlay::ChangeSummary;
 pub use posting::{Account, NETWORK_TIERS, Owner, Posting};
-pub use shared::{DocumentStore, StoreAway, StoredObject};
+pub use shared::{DocumentStore, StoredObject};
 pub use store::ChangeStore;
-pub use stored::{ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, MAX_DRAFT_BYTES, Scenario, StoredPlan};
+pub use stored::{
+    ChangeLimits, ChangeStoreError, MAX_CHANGE_DEPTH, MAX_DRAFT_BYTES, Scenario, StoreAway, StoredPlan,
+};

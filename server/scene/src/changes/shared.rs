@@ -5,26 +5,17 @@
 
 use super::change_id::{ChangeId, ChangeKind};
 use super::document::unix_ns;
-use super::stored::ChangeStoreError;
+use super::stored::{ChangeStoreError, StoreAway};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Debug;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
-use thiserror::Error;
 
 /// The object with the key of hashes.
 const KEY: &str = "kept.key";
 /// What belongs to no document goes when it is older: it may be of one that is being stored.
 const ORPHANS_GO_AFTER: Duration = Duration::from_secs(3600);
-
-/// The store does not answer, or refuses.
-#[derive(Clone, Debug, Error)]
-#[error("the store of what is kept does not answer as it should: {reason}")]
-pub struct StoreAway {
-    /// What it said, for the log.
-    pub reason: String,
-}
 
 /// An object of a store.
 #[derive(Clone, Debug, PartialEq, Eq)]

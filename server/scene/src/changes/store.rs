@@ -8,8 +8,7 @@
 use super::catalogue::Catalogue;
 use super::change_id::{ChangeId, ChangeKind};
 use super::document::{self, Head, damaged, io, unix_s};
-use super::draft_shelf::DraftShelf;
-use super::drafts::Drafts;
+use super::drafts::{DraftShelf, Drafts};
 use super::edits::ChangeStep;
 use super::listing::{Cursor, Listed, Page, Viewer};
 use super::pixels;

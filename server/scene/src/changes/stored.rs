@@ -8,6 +8,14 @@ use std::path::PathBuf;
 use std::time::Duration;
 use thiserror::Error;
 
+/// The store does not answer, or refuses.
+#[derive(Clone, Debug, Error)]
+#[error("the store of what is kept does not answer as it should: {reason}")]
+pub struct StoreAway {
+    /// What it said, for the log.
+    pub reason: String,
+}
+
 /// Maximum length of a chain of changes based on each other.
 pub const MAX_CHANGE_DEPTH: usize = 16;
 
@@ -133,7 +141,7 @@ pub enum ChangeStoreError {
     Reading,
     /// The object store that servers share does not answer.
     #[error(transparent)]
-    Away(#[from] super::shared::StoreAway),
+    Away(#[from] StoreAway),
     /// A file that is truncated, altered or of another format.
     #[error("{}: {reason}", path.display())]
     Damaged {
