@@ -17,6 +17,8 @@ test("clouds have a cover that a link keeps", async () => {
   await page.waitForFunction(() => /closed, from 1500 m/.test(document.querySelector("[data-value=clouds]")?.textContent));
   await skyShown(page);
   assert.ok(await page.locator("#cloud-cover-note").isHidden());
+  // They are asked for once the sky is shown.
+  const shares = page.waitForRequest(/\/shares\?.*cloud_cover=0\.4(&|$)/);
   await setSlider(page, "cloud-cover", 40);
   await page.waitForFunction(() => /over 40 % of the sky/.test(document.querySelector("[data-value=clouds]")?.textContent));
   await skyShown(page);
@@ -26,7 +28,7 @@ test("clouds have a cover that a link keeps", async () => {
   assert.match(ofKind("sky"), /cloud_cover=0.4(&|$)/);
   assert.doesNotMatch(ofKind("sky"), /cloud_pattern/);
   assert.match(ofKind("panorama.sky"), /cloud_cover=0.4&cloud_pattern=3/);
-  assert.match(ofKind("shares"), /cloud_cover=0.4(&|$)/);
+  await shares;
   const { sky } = await getJson(skyPath(here.scene, "sky", here.beside, "&clouds=1500&cloud_cover=0.4"));
   const zenith = sky.zenith_total_brightness_mag_arcsec2.toFixed(2);
   assert.match(await number(page, "zenith_total_mag"), new RegExp(zenith.replace(".", "[.]")));
