@@ -85,8 +85,8 @@ impl Valkey {
         let kept = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let was_kept = kept.is_some();
         let mut answer = self.ask_by(kept, question);
-        // A connection that was kept may have been closed meanwhile.
-        if was_kept && answer.is_err() {
+        // A connection that was kept may have been closed meanwhile. What took too long may have been done: it is not asked again.
+        if was_kept && answer.as_ref().is_err_and(RedisError::is_connection_dropped) {
             self.idle.lock().unwrap_or_else(PoisonError::into_inner).clear();
             answer = self.ask_by(None, question);
         }

@@ -14,7 +14,7 @@ use skyglow_render::{RenderError, celestial::CelestialTables, engine::Engine, pa
 use skyglow_scene::{
     ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, UploadFolder,
 };
-use skyglow_tables::Manifest;
+use skyglow_tables::{Clouds, Manifest};
 use std::{path::Path, sync::Arc};
 
 /// Scenes that an observatory keeps open unless told otherwise.
@@ -209,8 +209,9 @@ impl Observatory {
 
     /// Albedo from below of the clouds of a kind.
     pub(crate) fn cloud_albedo(&self, kind: PackKind) -> f64 {
-        let of_kind = self.engine.info().kinds.iter().find(|resident| resident.kind == kind);
-        of_kind.and_then(|kind| kind.cloud_albedo).unwrap_or(CloudBase::DEFAULT_ALBEDO)
+        let set = self.engine.table_set();
+        let of_kind = set.tables().iter().find(|tables| PackKind::of(tables) == kind);
+        of_kind.and_then(|tables| tables.clouds).map_or(CloudBase::DEFAULT_ALBEDO, Clouds::albedo)
     }
 
     /// The same for a sky; between broken clouds it is that of a clear one, and packs that know no skylines do without.

@@ -52,9 +52,6 @@ pub struct ResidentKind {
     /// Whether they have tables of sources behind skylines: all of them, or it counts for none. Under clouds none counts: no basis
     /// follows the edge of a skyline's shadow on a cloud.
     pub hides_lights: bool,
-    /// Albedo of the layer of cloud from below; None under a clear sky.
-    #[serde(skip)]
-    pub cloud_albedo: Option<f64>,
     /// Index of the first of them in the table set; the others follow.
     #[serde(skip)]
     pub(crate) first: usize,
@@ -74,7 +71,6 @@ impl ResidentKind {
                     basis_count: packs.iter().map(|pack| pack.basis_count).max().unwrap_or(0),
                     hides_lights: kind.cloud_base_m.is_none()
                         && packs.iter().all(|pack| pack.blocked.is_some()),
-                    cloud_albedo: packs[0].clouds.map(Clouds::albedo),
                     first,
                 };
                 first += packs.len();

@@ -193,7 +193,6 @@ mod tests {
             turbidities: turbidities.to_vec(),
             basis_count: 8,
             hides_lights: true,
-            cloud_albedo: None,
             first: 0,
         };
         let left_out = |was: Option<f64>| LeftOutPack {
