@@ -187,6 +187,23 @@ def share_documents(a, b):
     say(f"kept at one, read at the other at once; in its list after {listed_s:.2f} s; removed there, gone here after {gone_s:.1f} s")
 
 
+def share_scenes(a, b):
+    """What one server is given by PUT the other has soon; what the other removes goes everywhere."""
+    raster, scene = a.folder / "radiance.tif", "/api/v1/scenes/trial"
+    raster.write_bytes(a.ask("GET", f"{DEMO}/layers/radiance.tif")[2])
+    command = ["curl", "-sS", "-X", "PUT", f"http://127.0.0.1:{a.port}{scene}", "-H", f"Authorization: Bearer {TOKEN}", "-F", f"radiance=@{raster}"]
+    answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    require(a.ask("GET", scene)[0] == 200, "an upload is not taken:", answer[:500])
+    seconds = until("the scene of one is at the other", lambda: b.ask("GET", scene)[0] == 200, 60)
+    ask = f"{scene}/sky?lat=46.2&lon=8.8"
+    one, other = (server.ask("GET", ask) for server in (a, b))
+    require(one[0] == 200 and one[2] == other[2], "skies differ:", one[2][:500], other[2][:500])
+    require(b.ask("DELETE", scene, headers={"Authorization": f"Bearer {TOKEN}"})[0] == 204, "a scene cannot be removed")
+    gone = until("a scene that is removed at one is gone at the other", lambda: a.ask("GET", scene)[0] == 404, 60)
+    require(a.ask("GET", DEMO)[0] == 200 == b.ask("GET", DEMO)[0], "scenes that no server put into the store are gone")
+    say(f"a scene given to one is at the other after {seconds:.1f} s, with the same sky; removed there, it is gone here after {gone:.1f} s")
+
+
 def share_drafts_and_rates(a, b):
     draft = a.ask("POST", f"{DEMO}/plans?keep=off", plan(0.25))
     require(draft[0] == 201, "no draft:", draft[2][:500])
@@ -331,6 +348,7 @@ def main():
             shutil.copytree(work / "a/data/scenes", work / name / "data/scenes")
         b = start("b")
         share_documents(a, b)
+        share_scenes(a, b)
         share_drafts_and_rates(a, b)
         a, kept = kill_one_under_load(options, a, b, start)
         lose_redis(redis, a, b)

@@ -13,6 +13,9 @@ use skyglow_physics::{EmissionKeep, GeoPoint};
 use skyglow_render::{PackKind, RenderError};
 use skyglow_scene::{ChangeError, ChangeStoreError, Ground, SceneError};
 
+/// Nobody is told to wait longer before asking again, seconds.
+const LONGEST_PAUSE_S: f64 = 5.0;
+
 impl AppError {
     /// The answer to a client that asked for a sky: an altitude out of range is the fault of the parameter that made it.
     pub fn of_sky(error: ObservatoryError, request: &SkyRequest) -> Self {
@@ -168,6 +171,12 @@ impl From<ObservatoryError> for AppError {
                 }
                 SceneError::Damaged { scene, .. } => Self::DamagedScene { id: scene },
                 SceneError::InvalidTile { .. } => Self::UnknownTile { reason: error.to_string() },
+                SceneError::SkylinesBeingFound { progress, left_s } => Self::SkylinesBeingFound {
+                    progress,
+                    // A part of it is worth telling too.
+                    retry_after_s: left_s.clamp(1.0, LONGEST_PAUSE_S).ceil() as u64,
+                },
+                SceneError::StoreAway { reason } => Self::StoreAway { reason },
                 SceneError::TooLarge { .. } => Self::SceneTooLarge { reason: error.to_string() },
                 other => Self::internal(other),
             },

@@ -70,6 +70,14 @@ pub enum AppError {
         /// How much it needs and how much there is, in one sentence.
         reason: String,
     },
+    /// The skylines of the lights around a place are being found, which goes on.
+    #[error("the skylines of the lights around are found for the first time: {:.0} % are there; ask again in {retry_after_s} s", 100.0 * progress)]
+    SkylinesBeingFound {
+        /// The part of the lights that have theirs, 0 to 1.
+        progress: f64,
+        /// Seconds until it is worth asking again.
+        retry_after_s: u64,
+    },
     /// The place is not in the scene.
     #[error(
         "latitude {latitude_deg}, longitude {longitude_deg} lies outside the scene, which reaches from west {} south {} to east {} north {}",

@@ -194,7 +194,10 @@ impl SkySource for ObservatorySource {
         match outcome? {
             UploadOutcome::Done { id } => {
                 let adopted = self.observatory.adopt_scene(folder, &id);
-                adopted.map_err(|error| AppError::Storage { reason: error.to_string() })
+                adopted.map_err(|error| match error {
+                    SceneError::StoreAway { reason } => AppError::StoreAway { reason },
+                    other => AppError::Storage { reason: other.to_string() },
+                })
             }
             UploadOutcome::Refused(reason) => Err(AppError::BadUpload { reason }),
             UploadOutcome::Storage(reason) => Err(AppError::Storage { reason }),
@@ -295,6 +298,11 @@ impl SkySource for ObservatorySource {
 
     fn refresh_kept(&self) -> Result<(), AppError> {
         Ok(self.observatory.changes().refresh().map_err(ObservatoryError::from)?)
+    }
+
+    fn refresh_scenes(&self) -> Result<(), AppError> {
+        let failed = self.observatory.refresh_scenes().map_err(ObservatoryError::from)?;
+        failed.into_iter().next().map_or(Ok(()), |error| Err(ObservatoryError::from(error).into()))
     }
 
     fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError> {

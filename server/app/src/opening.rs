@@ -7,7 +7,7 @@ use skyglow_render::{
     celestial::{CelestialTables, tables::MAX_KEPT_BYTES},
     resident_tables, undamaged_tables,
 };
-use skyglow_scene::{ChangeLimits, ChangeStore};
+use skyglow_scene::{ChangeLimits, ChangeStore, SharedScenes};
 use skyglow_tables::{Manifest, packs_in};
 use std::{
     path::{Path, PathBuf},
@@ -95,14 +95,15 @@ impl LoadedEngine {
         sizes: &CacheSizes,
         max_places: usize,
     ) -> ObservatorySource {
-        self.before_kept(data, ChangeStore::new(data, limits), sizes, max_places)
+        self.before_kept(data, ChangeStore::new(data, limits), None, sizes, max_places)
     }
 
-    /// The same with scenarios and plans that are kept elsewhere than in the folder.
+    /// The same with scenarios and plans that are kept elsewhere than in the folder, and scenes that servers share.
     pub fn before_kept(
         self,
         data: &Path,
         changes: ChangeStore,
+        shared: Option<SharedScenes>,
         sizes: &CacheSizes,
         max_places: usize,
     ) -> ObservatorySource {
@@ -112,6 +113,9 @@ impl LoadedEngine {
             Observatory::with_changes(engine, manifests, data, OPEN_SCENE_COUNT, changes, sizes);
         if let Some(tables) = celestial {
             observatory = observatory.with_celestial_tables(tables);
+        }
+        if let Some(shared) = shared {
+            observatory = observatory.with_shared_scenes(shared);
         }
         if has_limits {
             let changes = observatory.changes().clone();

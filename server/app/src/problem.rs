@@ -42,6 +42,7 @@ impl AppError {
             Self::SceneTooLarge { .. } => {
                 kind("scene-too-large", "The scene takes more memory than there is")
             }
+            Self::SkylinesBeingFound { .. } => kind("being-made", "This is being made"),
             Self::OutsideScene { .. } => kind("outside-scene", "The place lies outside the scene"),
             Self::UnknownTile { .. } => kind("unknown-tile", "There is no such tile"),
             Self::BadUpload { .. } => kind("bad-upload", "What was uploaded cannot be meant"),

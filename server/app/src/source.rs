@@ -212,6 +212,13 @@ pub trait SkySource: Send + Sync + 'static {
     fn refresh_kept(&self) -> Result<(), AppError> {
         Ok(())
     }
+    /// Copies the scenes that other servers over the same store have, and removes those that are there no more.
+    ///
+    /// # Errors
+    /// [`AppError::StoreAway`], and what is wrong with the first scene that could not be copied.
+    fn refresh_scenes(&self) -> Result<(), AppError> {
+        Ok(())
+    }
     /// A plan, stored or held, and since when, seconds since 1970.
     ///
     /// # Errors

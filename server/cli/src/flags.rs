@@ -94,6 +94,6 @@ impl ProgramFlags {
         let (data, packs) = (self.data.folder(), self.packs.folder());
         let loaded = LoadedEngine::start(&packs, device.into(), None).map_err(Failure::work)?;
         let (limits, sizes) = (ChangeLimits::none(), CacheSizes::of_machine());
-        Ok(program::open(loaded, &data, ChangeStore::new(&data, limits), &sizes, MAX_PLACES, false))
+        Ok(program::open(loaded, &data, ChangeStore::new(&data, limits), None, &sizes, MAX_PLACES, false))
     }
 }

@@ -130,6 +130,7 @@ mod tests {
                 "serve",
                 "ingest",
                 "prepare",
+                "push",
                 "scenes",
                 "precompute",
                 "packs",

@@ -6,7 +6,7 @@ use crate::{
 };
 use skyglow_app::{SkySource, UploadReader, opening::LoadedEngine, sandbox, upload_reader::UploadTask};
 use skyglow_observatory::CacheSizes;
-use skyglow_scene::{ChangeStore, SceneStore, create_demo, demo_is_wanted};
+use skyglow_scene::{ChangeStore, SceneStore, SharedScenes, create_demo, demo_is_wanted};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -17,6 +17,7 @@ use std::{
 /// An engine before the scenes of a folder.
 ///
 /// * `changes`: where scenarios and plans are kept.
+/// * `shared`: the scenes that servers share.
 /// * `sizes`: what is kept in memory.
 /// * `max_places`: of a map of the zenith's brightness.
 /// * `sandbox_required`: whether no upload is read where the kernel lacks a part of the sandbox.
@@ -24,11 +25,12 @@ pub(crate) fn open(
     loaded: LoadedEngine,
     data: &Path,
     changes: ChangeStore,
+    shared: Option<SharedScenes>,
     sizes: &CacheSizes,
     max_places: usize,
     sandbox_required: bool,
 ) -> Arc<dyn SkySource> {
-    let source = loaded.before_kept(data, changes, sizes, max_places);
+    let source = loaded.before_kept(data, changes, shared, sizes, max_places);
     // The program that runs, also where its file was replaced meanwhile.
     let program = PathBuf::from("/proc/self/exe");
     if !program.exists() {

@@ -172,17 +172,25 @@ impl Settings {
         })
     }
 
+    /// The store that servers share, if there is one.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] where its address cannot be used.
+    pub(crate) fn kept_store(&self) -> Result<Option<Arc<KeptStore>>, Failure> {
+        self.store.as_ref().map(|address| open_store(address)).transpose()
+    }
+
     /// Where scenarios and plans are kept.
     ///
     /// # Errors
     /// [`Failure::Work`] where it is a store that cannot be read and written.
-    pub(crate) fn changes(&self, limits: ChangeLimits) -> Result<ChangeStore, Failure> {
-        let Some(address) = &self.store else { return Ok(ChangeStore::new(&self.data, limits)) };
-        let variables = std::env::vars_os()
-            .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
-        let options: Vec<_> = variables.filter(|(name, _)| name.starts_with("AWS_")).collect();
-        let store = KeptStore::open(address, &options).map_err(Failure::work)?;
-        ChangeStore::in_store(&self.data, limits, Arc::new(store)).map_err(Failure::work)
+    pub(crate) fn changes(
+        &self,
+        store: Option<Arc<KeptStore>>,
+        limits: ChangeLimits,
+    ) -> Result<ChangeStore, Failure> {
+        let Some(store) = store else { return Ok(ChangeStore::new(&self.data, limits)) };
+        ChangeStore::in_store(&self.data, limits, store).map_err(Failure::work)
     }
 
     /// Where limits and drafts are shared; it is not asked yet.
@@ -208,4 +216,14 @@ impl Settings {
 /// The line that an error is in, from 1.
 pub(crate) fn line_of(text: &str, error: &toml::de::Error) -> usize {
     error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count())
+}
+/// The store at an address, with the credentials of the environment.
+///
+/// # Errors
+/// [`Failure::Work`] where the address cannot be used.
+pub(crate) fn open_store(address: &str) -> Result<Arc<KeptStore>, Failure> {
+    let variables = std::env::vars_os()
+        .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+    let options: Vec<_> = variables.filter(|(name, _)| name.starts_with("AWS_")).collect();
+    KeptStore::open(address, &options).map(Arc::new).map_err(Failure::work)
 }

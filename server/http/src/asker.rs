@@ -29,11 +29,22 @@ pub(crate) struct Work {
     /// Whether it goes on though nobody waits.
     goes_on: AtomicBool,
     has_begun: AtomicBool,
+    /// Whether who waits for it has all the time: a job.
+    is_job: bool,
     /// Millionths.
     done: AtomicU32,
 }
 
 impl Work {
+    /// Of a job.
+    pub(crate) fn of_job() -> Arc<Self> {
+        Arc::new(Self { is_job: true, ..Self::default() })
+    }
+
+    pub(crate) fn is_job(&self) -> bool {
+        self.is_job
+    }
+
     /// Says how far it is; whether to go on.
     pub(crate) fn note(&self, done: f64) -> bool {
         self.has_begun.store(true, Ordering::Relaxed);

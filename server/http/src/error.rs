@@ -207,7 +207,9 @@ impl ApiError {
             | ApiError::QuotaUsed { retry_after_s }
             | ApiError::StorageQuotaUsed { retry_after_s }
             | ApiError::BeingMade { retry_after_s, .. }
-            | ApiError::App(AppError::Busy { retry_after_s }) => Some((*retry_after_s).max(1)),
+            | ApiError::App(
+                AppError::Busy { retry_after_s } | AppError::SkylinesBeingFound { retry_after_s, .. },
+            ) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
             ApiError::App(
                 AppError::Storage { .. } | AppError::StoreAway { .. } | AppError::SceneTooLarge { .. },
@@ -239,7 +241,8 @@ impl ApiError {
                 _ => None,
             },
             progress: match self {
-                ApiError::BeingMade { progress, .. } => Some(*progress),
+                ApiError::BeingMade { progress, .. }
+                | ApiError::App(AppError::SkylinesBeingFound { progress, .. }) => Some(*progress),
                 _ => None,
             },
         }
@@ -263,6 +266,7 @@ fn status_of(error: &AppError) -> StatusCode {
         | AppError::Storage { .. }
         | AppError::StoreAway { .. }
         | AppError::SceneTooLarge { .. }
+        | AppError::SkylinesBeingFound { .. }
         | AppError::Busy { .. }
         | AppError::EngineDown => StatusCode::SERVICE_UNAVAILABLE,
         AppError::Internal { .. } => StatusCode::INTERNAL_SERVER_ERROR,

@@ -11,6 +11,7 @@ use object_store::{
 use skyglow_scene::{DocumentStore, StoreAway, StoredObject};
 use std::{
     future::Future,
+    io::{Read as _, Write as _},
     sync::{Arc, mpsc},
     time::{Duration, SystemTime},
 };
@@ -21,6 +22,10 @@ const TRY_TIMEOUT: &str = "10s";
 const CONNECT_TIMEOUT: &str = "2s";
 const TIMEOUT: Duration = Duration::from_secs(15);
 const MAX_RETRIES: usize = 3;
+/// How long a whole file of a scene may take.
+const FILE_TIMEOUT: Duration = Duration::from_secs(3600);
+/// Files are sent in parts of so many bytes.
+const PIECE_BYTES: usize = 16 << 20;
 
 /// Why there is no store.
 #[derive(Debug, thiserror::Error)]
@@ -93,7 +98,7 @@ impl KeptStore {
             }
             _ => return Err(bad()),
         };
-        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("store").enable_all().build();
+        let runtime = Builder::new_multi_thread().worker_threads(2).thread_name("store").enable_all().build();
         Ok(Self {
             address: address.to_owned(),
             prefix: Path::from(prefix),
@@ -113,13 +118,14 @@ impl KeptStore {
     /// Has a question answered on the store's own threads, and waits.
     fn wait<T: Send + 'static>(
         &self,
+        at_most: Duration,
         question: impl Future<Output = Result<T, Error>> + Send + 'static,
     ) -> Result<Result<T, Error>, StoreAway> {
         let (send, receive) = mpsc::sync_channel(1);
         let away = |reason: &str| StoreAway { reason: format!("{}: {reason}", self.address) };
         let runtime = self.runtime.as_ref().ok_or_else(|| away("is closed"))?;
         runtime.spawn(async move {
-            let answer = tokio::time::timeout(2 * TIMEOUT, question).await;
+            let answer = tokio::time::timeout(at_most, question).await;
             // Who asked waits for it.
             let _is_waited_for = send.send(answer);
         });
@@ -134,7 +140,15 @@ impl KeptStore {
         &self,
         question: impl Future<Output = Result<T, Error>> + Send + 'static,
     ) -> Result<Option<T>, StoreAway> {
-        match self.wait(question)? {
+        self.ask_for(2 * TIMEOUT, question)
+    }
+
+    fn ask_for<T: Send + 'static>(
+        &self,
+        at_most: Duration,
+        question: impl Future<Output = Result<T, Error>> + Send + 'static,
+    ) -> Result<Option<T>, StoreAway> {
+        match self.wait(at_most, question)? {
             Ok(answer) => Ok(Some(answer)),
             Err(Error::NotFound { .. }) => Ok(None),
             Err(error) => Err(StoreAway { reason: format!("{}: {}", self.address, words(&error)) }),
@@ -163,6 +177,22 @@ fn words(error: &dyn std::error::Error) -> String {
         next = cause.source();
     }
     words.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(500).collect()
+}
+
+fn of_file(source: std::io::Error) -> Error {
+    Error::Generic { store: "file", source: Box::new(source) }
+}
+
+/// Reads until a buffer is full or the file ends; the number of bytes.
+fn read_whole(file: &mut std::fs::File, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut length = 0;
+    while length < buffer.len() {
+        match file.read(&mut buffer[length..])? {
+            0 => break,
+            more => length += more,
+        }
+    }
+    Ok(length)
 }
 
 impl DocumentStore for KeptStore {
@@ -208,6 +238,55 @@ impl DocumentStore for KeptStore {
         self.ask(async move { store.delete(&path).await }).map(drop)
     }
 
+    fn download(&self, name: &str, path: &std::path::Path) -> Result<bool, StoreAway> {
+        let (store, from, to) = (self.store.clone(), self.path(name), path.to_owned());
+        let download = async move {
+            // Pieces of it, for a try has only so long.
+            let size = store.head(&from).await?.size;
+            let mut file = std::fs::File::create_new(to).map_err(of_file)?;
+            let mut start = 0;
+            while start < size {
+                let end = size.min(start + PIECE_BYTES as u64);
+                file.write_all(&store.get_range(&from, start..end).await?).map_err(of_file)?;
+                start = end;
+            }
+            file.sync_all().map_err(of_file)
+        };
+        Ok(self.ask_for(FILE_TIMEOUT, download)?.is_some())
+    }
+
+    fn upload(&self, name: &str, path: &std::path::Path) -> Result<(), StoreAway> {
+        let (store, from, to) = (self.store.clone(), path.to_owned(), self.path(name));
+        let upload = async move {
+            let mut file = std::fs::File::open(from).map_err(of_file)?;
+            let mut piece = vec![0; PIECE_BYTES];
+            let mut read = move || {
+                let length = read_whole(&mut file, &mut piece).map_err(of_file)?;
+                Ok::<_, Error>(PutPayload::from(piece[..length].to_vec()))
+            };
+            let mut next = read()?;
+            if next.content_length() < PIECE_BYTES {
+                return store.put(&to, next).await.map(drop);
+            }
+            let mut upload = store.put_multipart(&to).await?;
+            // One part after another: memory is that of a piece.
+            let sent = async {
+                while next.content_length() > 0 {
+                    upload.put_part(next).await?;
+                    next = read()?;
+                }
+                upload.complete().await.map(drop)
+            };
+            let sent = sent.await;
+            if sent.is_err() {
+                // What a store does with the rest of it is its own affair.
+                let _best_effort = upload.abort().await;
+            }
+            sent
+        };
+        self.ask_for(FILE_TIMEOUT, upload)?.ok_or_else(|| self.no_bucket())
+    }
+
     fn list(&self, folder: &str) -> Result<Vec<StoredObject>, StoreAway> {
         let (store, path) = (self.store.clone(), self.path(folder));
         let found: Option<Vec<ObjectMeta>> =
@@ -240,6 +319,17 @@ mod tests {
         );
         store.put("plans/p-1.json", b"three").unwrap();
         assert_eq!(store.get("plans/p-1.json").unwrap().unwrap().0, b"three");
+        // Files go and come whole, in one part and in several.
+        for length in [0, 100, 2 * PIECE_BYTES + 7] {
+            let (file, copy) = (folder.path().join("file"), folder.path().join(format!("copy-{length}")));
+            let content: Vec<u8> = (0..length).map(|byte| (byte % 251) as u8).collect();
+            std::fs::write(&file, &content).unwrap();
+            store.upload("files/one.bin", &file).unwrap();
+            assert!(store.download("files/one.bin", &copy).unwrap());
+            assert!(std::fs::read(&copy).unwrap() == content, "{length}");
+            assert!(store.download("files/one.bin", &copy).is_err(), "it is there already");
+            assert!(!store.download("files/none.bin", &folder.path().join("none")).unwrap());
+        }
         let names = store.list("plans").unwrap().into_iter().map(|object| object.name).collect::<Vec<_>>();
         assert_eq!(names, ["plans/p-1.json"]);
         store.remove("plans/p-1.json").unwrap();

@@ -69,7 +69,7 @@ impl InfluenceCache {
     /// The light around the eye of a request.
     ///
     /// # Errors
-    /// [`ObservatoryError::OutsideScene`].
+    /// [`ObservatoryError::OutsideScene`], and as [`SceneView::find_skylines`].
     pub(crate) fn light_around(
         &self,
         view: &SceneView,
@@ -87,6 +87,9 @@ impl InfluenceCache {
             [place.latitude_rad().to_bits(), place.longitude_rad().to_bits(), eye_m.to_bits()],
             [is_above_sea, request.terrain_hides, hides_lights],
         );
+        if !self.lights.contains_key(&key) {
+            view.find_skylines(place, request.terrain_hides && hides_lights)?;
+        }
         Ok(self.lights.get_with(key, || {
             let scene = view.scene();
             let shares = scene.light_shares(place, request.terrain_hides && hides_lights);

@@ -12,7 +12,8 @@ use crate::{
 use skyglow_physics::CloudBase;
 use skyglow_render::{RenderError, celestial::CelestialTables, engine::Engine, pack_kind::PackKind};
 use skyglow_scene::{
-    ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, UploadFolder,
+    ChangeId, ChangeLimits, ChangeStore, SceneError, SceneId, SceneMetadata, SceneStore, SharedScenes,
+    UploadFolder,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::{path::Path, sync::Arc};
@@ -28,6 +29,8 @@ pub struct Observatory {
     pub(crate) manifests: Vec<Manifest>,
     pub(crate) influences: InfluenceCache,
     celestial: Option<Arc<CelestialTables>>,
+    /// Where servers share scenes.
+    shared_scenes: Option<SharedScenes>,
 }
 
 impl Observatory {
@@ -60,13 +63,41 @@ impl Observatory {
         sizes: &CacheSizes,
     ) -> Self {
         let scenes = SceneCache::new(SceneStore::new(data_dir), changes, open_scene_count, sizes);
-        Self { engine, scenes, manifests, influences: InfluenceCache::new(sizes), celestial: None }
+        Self {
+            engine,
+            scenes,
+            manifests,
+            influences: InfluenceCache::new(sizes),
+            celestial: None,
+            shared_scenes: None,
+        }
     }
 
     /// The same with tables for the natural sky of an instant.
     #[must_use]
     pub fn with_celestial_tables(self, tables: CelestialTables) -> Self {
         Self { celestial: Some(Arc::new(tables)), ..self }
+    }
+
+    /// The same with the scenes of a store that servers share.
+    #[must_use]
+    pub fn with_shared_scenes(self, scenes: SharedScenes) -> Self {
+        Self { shared_scenes: Some(scenes), ..self }
+    }
+
+    /// Copies what is new among the scenes that servers share, and lets go of what is open of those that changed. What went wrong
+    /// with single scenes.
+    ///
+    /// # Errors
+    /// As [`SharedScenes::refresh`].
+    pub fn refresh_scenes(&self) -> Result<Vec<SceneError>, SceneError> {
+        let Some(shared) = &self.shared_scenes else { return Ok(Vec::new()) };
+        let (changed, failed) = shared.refresh(self.store())?;
+        for id in &changed {
+            tracing::info!(scene = %id, "the scene of the store that servers share is new here, or gone");
+            self.scenes.forget(id);
+        }
+        Ok(failed)
     }
 
     /// Tables for the natural sky of an instant.
@@ -89,20 +120,24 @@ impl Observatory {
         self.scenes.store()
     }
 
-    /// Removes a scene, and lets go of what is open of it. Requests under way keep it.
+    /// Removes a scene, also where servers share it, and lets go of what is open of it. Requests under way keep it.
     ///
     /// # Errors
-    /// [`SceneError::UnknownScene`], [`SceneError::Io`].
+    /// [`SceneError::UnknownScene`], [`SceneError::Io`], [`SceneError::StoreAway`].
     pub fn remove_scene(&self, id: &SceneId) -> Result<(), SceneError> {
+        if let Some(shared) = self.shared_scenes.as_ref().filter(|_| self.store().exists(id)) {
+            shared.remove(id)?;
+        }
         self.store().remove(id)?;
         self.scenes.forget(id);
         Ok(())
     }
 
-    /// Puts the scene of an upload in its place, and lets go of what is open of the one before, if there was one, which it says.
+    /// Puts the scene of an upload in its place, also where servers share scenes, and lets go of what is open of the one before, if
+    /// there was one, which it says.
     ///
     /// # Errors
-    /// As [`SceneStore::adopt`].
+    /// As [`SceneStore::adopt`], and [`SceneError::StoreAway`]: then it is here alone.
     pub fn adopt_scene(
         &self,
         upload: &UploadFolder,
@@ -110,6 +145,9 @@ impl Observatory {
     ) -> Result<(SceneMetadata, bool), SceneError> {
         let adopted = self.store().adopt(upload, id)?;
         self.scenes.forget(id);
+        if let Some(shared) = &self.shared_scenes {
+            shared.put(self.store(), id)?;
+        }
         Ok(adopted)
     }
 

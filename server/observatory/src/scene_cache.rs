@@ -211,7 +211,8 @@ impl SceneCache {
         }
     }
 
-    /// Reads every scene through that was not yet, or is damaged, and notes which are.
+    /// Reads every scene through that was not yet, or is damaged, and notes which are. Sound ones are opened while half of the room for
+    /// open scenes is free: who asks first then does not wait for that.
     pub(crate) fn check_all(&self) -> Result<(), SceneError> {
         let list = self.store.list()?;
         let damaged = list.damaged.iter().filter_map(|error| match error {
@@ -224,9 +225,21 @@ impl SceneCache {
         for (id, stamp) in there {
             if !self.health.is_sound(&id, stamp) {
                 self.health.note(&id, stamp, self.store.verify(&id).as_ref());
+                if self.health.is_sound(&id, stamp) && self.has_half_for(&id) {
+                    // Whoever asks for it is told what is wrong.
+                    let _best_effort = self.scene(&id);
+                }
             }
         }
         Ok(())
+    }
+
+    /// Whether a scene fits into half of the room for open ones, beside those that are.
+    fn has_half_for(&self, id: &SceneId) -> bool {
+        self.open.run_pending_tasks();
+        let most = self.open.policy().max_capacity().unwrap_or(0) / 2;
+        let weight = self.store.scene_bytes(id).map_or(u64::MAX, |bytes| bytes / WEIGHT_BYTES);
+        weight.saturating_add(self.open.weighted_size()) <= most
     }
 
     /// Whether a scene is known to be damaged as it is now.

@@ -5,6 +5,9 @@ use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, source_pixel::MAX_SOURCE_DISTANC
 use skyglow_scene::{Ground, Scene, SceneMetadata};
 use std::{f64::consts::PI, sync::Arc};
 
+/// Who comes again waits for the skylines of so many lights: a second of two cores.
+const FEW_LIGHTS: usize = 12_000;
+
 /// A scene with its changes, resolved once when a request is prepared and passed down: a scene that is replaced meanwhile changes
 /// no answer that is under way.
 #[derive(Clone, Debug)]
@@ -13,6 +16,8 @@ pub struct SceneView {
     base: Arc<Scene>,
     scene: Arc<Scene>,
     metadata: Arc<SceneMetadata>,
+    /// Whether who asks comes again instead of waiting for skylines.
+    comes_again: bool,
 }
 
 /// What is at a place.
@@ -29,13 +34,31 @@ impl SceneView {
     /// * `scene`: the same with its changes.
     pub fn new(base: Arc<Scene>, scene: Arc<Scene>) -> Self {
         let metadata = Arc::new(scene.metadata().clone());
-        Self { base, scene, metadata }
+        Self { base, scene, metadata, comes_again: false }
     }
 
     /// The same under another description.
     #[must_use]
     pub fn with_metadata(self, metadata: SceneMetadata) -> Self {
         Self { metadata: Arc::new(metadata), ..self }
+    }
+
+    /// The same for somebody who is told to come again ([`SceneError::SkylinesBeingFound`](skyglow_scene::SceneError)) where the
+    /// skylines of the lights around a place take longer than a second to find.
+    #[must_use]
+    pub fn coming_again(self) -> Self {
+        Self { comes_again: true, ..self }
+    }
+
+    /// Begins to find the skylines of the lights around a place where they are missing.
+    ///
+    /// # Errors
+    /// [`ObservatoryError::Scene`] for who [comes again](Self::coming_again), until they are there.
+    pub(crate) fn find_skylines(&self, place: GeoPoint, hides: bool) -> Result<(), ObservatoryError> {
+        if hides && self.comes_again {
+            self.scene.find_skylines_around(place, FEW_LIGHTS)?;
+        }
+        Ok(())
     }
 
     /// The scene without the scenario's changes.

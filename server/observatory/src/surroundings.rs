@@ -51,13 +51,15 @@ impl Surroundings {
     /// * `hides_lights`: whether the packs know skylines; else no light is put behind one.
     ///
     /// # Errors
-    /// [`ObservatoryError::OutsideScene`].
+    /// [`ObservatoryError::OutsideScene`], and as [`SceneView::find_skylines`].
     pub(crate) fn of(
         view: &SceneView,
         request: &SkyRequest,
         hides_lights: bool,
     ) -> Result<Self, ObservatoryError> {
-        Ok(Self::on_ground(view.site(request.place)?.ground, view.scene(), request, hides_lights))
+        let ground = view.site(request.place)?.ground;
+        view.find_skylines(request.place, request.terrain_hides && hides_lights)?;
+        Ok(Self::on_ground(ground, view.scene(), request, hides_lights))
     }
 
     /// The same of a place whose ground is known.

@@ -71,6 +71,14 @@ pub enum SceneError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The skylines of the lights around a place are being found, which goes on.
+    #[error("the skylines of the lights around are being found: {:.0} % are there; ask again in {left_s:.0} s", 100.0 * progress)]
+    SkylinesBeingFound {
+        /// The part of the lights that have theirs, 0 to 1.
+        progress: f64,
+        /// Seconds until all have, about.
+        left_s: f64,
+    },
     /// A map tile that does not exist at its zoom level, or of an absurd size.
     #[error("tile {z}/{x}/{y} of {size_px} pixels does not exist: {reason}")]
     InvalidTile {
@@ -84,6 +92,12 @@ pub enum SceneError {
         size_px: u32,
         /// Which limit it breaks.
         reason: &'static str,
+    },
+    /// The store that servers share does not answer.
+    #[error("the store of scenes does not answer as it should: {reason}")]
+    StoreAway {
+        /// What happened.
+        reason: String,
     },
     /// The file system failed.
     #[error("{}: {source}", path.display())]

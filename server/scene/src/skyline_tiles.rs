@@ -10,6 +10,7 @@ use crate::light_pyramid::LightPyramid;
 use crate::lit_pixels::LitPixels;
 use crate::sections::{self, Sections};
 use crate::skyline_of_light::skyline_of_light;
+use crate::skyline_queue::SkylineQueue;
 use crate::skylines::{Skyline, Skylines};
 use crate::terrain::Terrain;
 use rayon::prelude::*;
@@ -116,12 +117,14 @@ pub(crate) struct SkylineTiles {
     /// Of the scene whose lights they are.
     version: String,
     kept: Mutex<Kept>,
+    /// Those that somebody waits for.
+    pub(crate) queue: SkylineQueue,
 }
 
 impl SkylineTiles {
     /// Of a scene that may have some in a folder.
     pub(crate) fn new(folder: PathBuf, version: &str) -> Self {
-        Self { folder, version: version.to_owned(), kept: Mutex::default() }
+        Self { folder, version: version.to_owned(), kept: Mutex::default(), queue: SkylineQueue::default() }
     }
 
     fn lock(&self) -> MutexGuard<'_, Kept> {
@@ -158,6 +161,18 @@ impl SkylineTiles {
             }
         }
         found.into_iter().map(|(tile, _)| tile).collect()
+    }
+
+    /// Those of some tiles that are neither in memory nor stored. A stored one is taken to be good.
+    pub(crate) fn missing(
+        &self,
+        ground: &TileGround<'_>,
+        wanted: impl IntoIterator<Item = usize>,
+    ) -> Vec<usize> {
+        let kept = self.lock();
+        let not_kept: Vec<usize> = wanted.into_iter().filter(|tile| !kept.tiles.contains_key(tile)).collect();
+        drop(kept);
+        not_kept.into_iter().filter(|tile| !self.path(ground, *tile).exists()).collect()
     }
 
     /// The skyline of a light by its index; None under an open sky.

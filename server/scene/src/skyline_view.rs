@@ -78,6 +78,11 @@ impl SkylineView {
     }
 }
 
+/// The tiles of the lights of some discs.
+pub(crate) fn tiles_of(ground: &TileGround<'_>, discs: &[Disc]) -> BTreeSet<usize> {
+    needed(ground, discs, 0.0).0
+}
+
 /// The tiles of the lights of some discs, and the blocks above tiles that may count as one, by level and index.
 fn needed(
     ground: &TileGround<'_>,

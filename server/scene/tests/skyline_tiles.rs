@@ -9,9 +9,11 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_scene::{
     Area, Change, ChangeStep, Edit, PatchStore, PlaceKernel, PlaceWindow, Prepared, RING_COUNT, Scene,
-    SkylineTime, SumWay, UniformAxis, ring_distance_m,
+    SceneError, SkylineTime, SumWay, UniformAxis, ring_distance_m,
 };
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 const SIZE: usize = 420;
 
@@ -210,4 +212,41 @@ fn what_is_prepared_is_what_reaches() {
     assert!(near.tiles > some.tiles && near.made == near.tiles - some.tiles, "{near:?} {some:?}");
     let whole = scene(&TestStore::new(), SkylineTime::Ingest);
     assert_eq!(whole.prepare_skylines(None, &mut |_, _| {}).unwrap(), Prepared::default());
+}
+
+/// Who does not wait is told how far it is, and in the end finds what who waits finds. Where nothing can be stored everybody waits.
+#[test]
+fn skylines_are_found_while_nobody_waits() {
+    let store = TestStore::new();
+    let tiled = Arc::new(scene(&store, SkylineTime::Need));
+    let here = places()[1];
+    let beginning = Instant::now();
+    let mut last = 0.0;
+    while let Err(error) = tiled.find_skylines_around(here, 100) {
+        let SceneError::SkylinesBeingFound { progress, left_s } = error else { panic!("{error}") };
+        assert!((last..1.0).contains(&progress) && left_s > 0.0, "{last} {progress} {left_s}");
+        last = progress;
+        assert!(beginning.elapsed() < Duration::from_secs(60), "{progress}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let whole = scene(&TestStore::new(), SkylineTime::Ingest);
+    assert_eq!(tiled.polar_grid(here, true), whole.polar_grid(here, true));
+    // What has all at ingest has nothing to find, and so has what is far from all lights.
+    Arc::new(whole).find_skylines_around(here, 0).unwrap();
+    tiled.find_skylines_around(place(50.0, 0.0), 0).unwrap();
+
+    let store = TestStore::new();
+    let tiled = Arc::new(scene(&store, SkylineTime::Need));
+    // A file where the folder would be.
+    let folder = store.store.scenes_dir().join(tiled.metadata().id.as_str()).join("skylines");
+    std::fs::write(folder, "").unwrap();
+    let beginning = Instant::now();
+    while tiled.find_skylines_around(here, 100).is_err() {
+        assert!(beginning.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(
+        tiled.polar_grid(here, true),
+        scene(&TestStore::new(), SkylineTime::Ingest).polar_grid(here, true)
+    );
 }

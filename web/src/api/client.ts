@@ -127,27 +127,43 @@ export function onStored(heard: typeof tellStored): void {
   tellStored = heard;
 }
 
-/** Repeats a request while the server is busy. All requests are idempotent. */
+/** Hears of what is found before requests can be answered: the part that is there; null: all is. */
+let tellFinding: (part: number | null) => void = () => {};
+export function onFinding(heard: typeof tellFinding): void {
+  tellFinding = heard;
+}
+
+/** Repeats a request while the server is busy, and for as long as it makes what is asked for. All requests are idempotent. */
 async function answered(url: string, init: RequestInit & { signal: AbortSignal }): Promise<Response> {
   const { signal } = init;
-  for (let attempt = 0; ; attempt++) {
-    let response: Response;
-    try {
-      response = await fetch(url, init);
-    } catch (reason) {
-      if (signal.aborted) throw reason;
-      throw noAnswer();
+  let isFinding = false;
+  try {
+    for (let attempt = 0; ; attempt++) {
+      let response: Response;
+      try {
+        response = await fetch(url, init);
+      } catch (reason) {
+        if (signal.aborted) throw reason;
+        throw noAnswer();
+      }
+      if (response.ok) {
+        tellStored(response.headers.get(STORED_HEADER));
+        return response;
+      }
+      const busy = response.status === 503 || response.status === 429;
+      const retryAfterS = Number(response.headers.get("retry-after") ?? NaN);
+      const waitS = Number.isFinite(retryAfterS) ? Math.max(retryAfterS, 0.2) : 1;
+      const problem = await problemFromResponse(response);
+      const isMade = problem.type === "/problems/being-made";
+      if (!busy || (attempt >= RETRIES && !isMade) || waitS > MAX_RETRY_WAIT_S) throw new ApiError(response.status, problem);
+      if (isMade) {
+        isFinding = true;
+        tellFinding(problem.progress ?? 0);
+      }
+      await pause(waitS, signal);
     }
-    if (response.ok) {
-      tellStored(response.headers.get(STORED_HEADER));
-      return response;
-    }
-    const busy = response.status === 503 || response.status === 429;
-    const retryAfterS = Number(response.headers.get("retry-after") ?? NaN);
-    const waitS = Number.isFinite(retryAfterS) ? Math.max(retryAfterS, 0.2) : 1;
-    if (!busy || attempt >= RETRIES || waitS > MAX_RETRY_WAIT_S)
-      throw new ApiError(response.status, await problemFromResponse(response));
-    await pause(waitS, signal);
+  } finally {
+    if (isFinding) tellFinding(null);
   }
 }
 

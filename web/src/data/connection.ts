@@ -1,6 +1,6 @@
 // A server that does not answer: it is asked again by itself, and once it is back, so is all that did not come.
 
-import { api, onStored } from "../api/client.ts";
+import { api, onFinding, onStored } from "../api/client.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { loadScenes } from "./scenes.ts";
 
@@ -14,6 +14,9 @@ export function followConnection(store: AppStore): void {
     const { storedAtMs } = store.state;
     const told = atMs === null || storedAtMs === null ? (storedAtMs ?? atMs) : Math.min(atMs, storedAtMs);
     if (told !== storedAtMs) store.set({ storedAtMs: told });
+  });
+  onFinding((foundPart) => {
+    store.set({ foundPart });
   });
   store.watch(["isAway"], ({ isAway }) => {
     if (isAway) void untilBack(store);

@@ -46,6 +46,8 @@ export interface AppState extends ViewState {
   isAway: boolean;
   /** When the oldest answer came that was kept for want of a network; null: all are the server's. */
   storedAtMs: number | null;
+  /** The part that is there of what the server finds before it answers; null: it finds nothing. */
+  foundPart: number | null;
   /** How much of the picked place's sky is there. */
   skyStage: "none" | "site" | "numbers" | "picture";
   /** Whether a sky is on its way. */
@@ -106,6 +108,7 @@ export function initialState(view: ViewState): AppState {
     problem: null,
     isAway: false,
     storedAtMs: null,
+    foundPart: null,
     skyStage: "none",
     isBusy: false,
     site: null,

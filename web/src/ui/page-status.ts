@@ -1,8 +1,9 @@
 // Attributes that the page's styles depend on, and the title of the picked place.
 
+import { words } from "../language/words.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
-import { coordinates } from "./format.ts";
+import { coordinates, percent } from "./format.ts";
 import { placeName } from "./nearby.ts";
 
 const TITLE = "Skyglow";
@@ -23,6 +24,11 @@ export function mountPageStatus(store: AppStore): void {
   store.watch(["isBusy", "isLandBusy"], ({ isBusy, isLandBusy }) => {
     body.classList.toggle("busy", isBusy || isLandBusy);
     numbers.setAttribute("aria-busy", String(isBusy));
+  });
+  const finding = byId("finding", HTMLElement);
+  store.watch(["foundPart"], ({ foundPart }) => {
+    finding.hidden = foundPart === null;
+    finding.textContent = foundPart === null ? "" : words().finding(percent(foundPart));
   });
   store.watch(["place", "places"], ({ place, places }) => {
     if (place === null) {

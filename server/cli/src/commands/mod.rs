@@ -16,6 +16,7 @@ mod panorama;
 mod plan;
 mod precompute;
 mod prepare;
+mod push;
 mod reference;
 mod scenario;
 mod scenes;
@@ -33,6 +34,7 @@ pub(crate) enum Command {
     Serve(Box<serve::Serve>),
     Ingest(Box<ingest::Ingest>),
     Prepare(prepare::Prepare),
+    Push(push::Push),
     Scenes(scenes::Scenes),
     Precompute(precompute::Precompute),
     Packs(packs::Packs),
@@ -62,6 +64,7 @@ impl Command {
             Command::Serve(command) => command.run(),
             Command::Ingest(command) => command.run(),
             Command::Prepare(command) => command.run(),
+            Command::Push(command) => command.run(),
             Command::Scenes(command) => command.run(),
             Command::Precompute(command) => command.run(),
             Command::Packs(command) => command.run(),

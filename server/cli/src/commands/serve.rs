@@ -4,7 +4,7 @@ use crate::{failure::Failure, logging, partial_settings::PartialSettings, progra
 use clap::Args;
 use skyglow_app::{SkySource, error::AppError, opening::LoadedEngine};
 use skyglow_http::{HttpConfig, MemoryShares, Valkey, router_beside, serve};
-use skyglow_scene::{ChangeLimits, SceneStore};
+use skyglow_scene::{ChangeLimits, SceneStore, SharedScenes};
 use std::{future::Future, path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
     net::TcpListener,
@@ -72,7 +72,8 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     };
     watch_scenes(&source);
     if is_shared {
-        watch_kept(&source);
+        watch_store(&source, |source| source.refresh_kept(), "what is kept");
+        watch_store(&source, |source| source.refresh_scenes(), "scenes");
     }
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
@@ -118,23 +119,29 @@ fn watch_scenes(source: &Arc<dyn SkySource>) {
 const LOOK_FOR_OTHERS_EVERY: Duration = Duration::from_secs(5);
 
 /// Compares what is here with the store that servers share, on a thread of its own.
-fn watch_kept(source: &Arc<dyn SkySource>) {
+///
+/// * `what`: is compared, for the log.
+fn watch_store(
+    source: &Arc<dyn SkySource>,
+    refresh: fn(&dyn SkySource) -> Result<(), AppError>,
+    what: &'static str,
+) {
     let source = Arc::downgrade(source);
     std::thread::spawn(move || {
         let mut was_away = false;
         while let Some(source) = source.upgrade() {
-            let refreshed = source.refresh_kept();
+            let refreshed = refresh(&*source);
             drop(source);
             let is_away = refreshed.as_ref().is_err_and(|error| !matches!(error, AppError::Busy { .. }));
             match refreshed {
                 // Once, and not every five seconds.
                 Err(AppError::StoreAway { reason }) if !was_away => {
-                    tracing::error!(%reason, "the store of what is kept is away: what has no copy here is answered 503");
+                    tracing::error!(%reason, "the store of {what} is away: what has no copy here is answered 503");
                 }
                 Err(error) if is_away && !was_away => {
-                    tracing::error!(%error, "what is kept cannot be looked through")
+                    tracing::error!(%error, "{what} cannot be looked through")
                 }
-                Ok(()) if was_away => tracing::info!("the store of what is kept is back"),
+                Ok(()) if was_away => tracing::info!("the store of {what} is back"),
                 _ => {}
             }
             was_away = is_away;
@@ -171,11 +178,13 @@ fn start(
     let max_places = settings.brightness_places.max(1);
     let required = settings.upload_sandbox_required;
     let sizes = &shares.observatory;
-    let mut changes = settings.changes(limits)?;
+    let store = settings.kept_store()?;
+    let shared = store.clone().map(|store| SharedScenes::new(store));
+    let mut changes = settings.changes(store, limits)?;
     if let Some(shelf) = shelf {
         changes = changes.with_shelf(shelf);
     }
-    let source = program::open(loaded, &settings.data, changes, sizes, max_places, required);
+    let source = program::open(loaded, &settings.data, changes, shared, sizes, max_places, required);
     Ok((source, shares.put_into(settings.http.clone())))
 }
 

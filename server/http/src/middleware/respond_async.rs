@@ -67,7 +67,7 @@ pub async fn respond_async(State(state): State<AppState>, mut request: Request, 
     }
     let address = request.extensions().get::<PublicAddress>();
     let links = Base::new(address.map(PublicAddress::base).unwrap_or_default());
-    let (party, work) = (asker::party(), Arc::<Work>::default());
+    let (party, work) = (asker::party(), Work::of_job());
     let id = match state.jobs.begin(party, Arc::clone(&work)) {
         Ok(id) => id,
         Err(TooMany) => {

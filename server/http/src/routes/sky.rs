@@ -1,6 +1,7 @@
 //! The numbers of a sky.
 
 use crate::{
+    asker,
     error::ApiError,
     etag::ETag,
     refusals::OfSky,
@@ -87,6 +88,8 @@ impl PreparedSky {
             Ok(view)
         };
         let view = state.work.resolve(request.scenario.is_some(), resolve).await?;
+        // A job waits for what takes long.
+        let view = if asker::current().work().is_job() { view } else { view.coming_again() };
         let key = sky_key(&request, view.version(), state.source.facts())?;
         Ok(Self { request, view, key })
     }

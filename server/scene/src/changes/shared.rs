@@ -8,6 +8,7 @@ use super::document::unix_ns;
 use super::stored::{ChangeStoreError, StoreAway};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Debug;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
@@ -61,6 +62,18 @@ pub trait DocumentStore: Debug + Send + Sync {
     /// # Errors
     /// [`StoreAway`].
     fn remove(&self, name: &str) -> Result<(), StoreAway>;
+
+    /// Writes an object's bytes to a new file; whether there is one.
+    ///
+    /// # Errors
+    /// [`StoreAway`], also where the file cannot be written.
+    fn download(&self, name: &str, path: &Path) -> Result<bool, StoreAway>;
+
+    /// Writes an object of a file's bytes, over what is there.
+    ///
+    /// # Errors
+    /// [`StoreAway`], also where the file cannot be read.
+    fn upload(&self, name: &str, path: &Path) -> Result<(), StoreAway>;
 
     /// The objects of a folder.
     ///

@@ -3,10 +3,13 @@
 use super::Scene;
 use crate::error::SceneError;
 use crate::skyline_tiles::{SkylineTiles, TileGround, lights_of, tiles_within};
-use crate::skyline_view::{Disc, SkylineView};
+use crate::skyline_view::{Disc, SkylineView, tiles_of};
 use serde::Serialize;
 use skyglow_physics::GeoPoint;
 use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// What [`Scene::prepare_skylines`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -50,6 +53,61 @@ impl Scene {
     ) -> Option<SkylineView> {
         let disc = Disc { middle: place.unit_vector(), radius_m: MAX_SOURCE_DISTANCE_M };
         self.skyline_view(terrain_hides, || vec![disc], far_block_ratio * MAX_SOURCE_DISTANCE_M)
+    }
+
+    /// Whether the skylines of all lights that reach a place are there, but for a few that who asks may make, where they are made by
+    /// tile. Else a thread begins to make and store them, nearest first, and goes on whoever asks.
+    ///
+    /// * `few`: so many lights.
+    ///
+    /// # Errors
+    /// [`SceneError::SkylinesBeingFound`].
+    pub fn find_skylines_around(self: &Arc<Self>, place: GeoPoint, few: usize) -> Result<(), SceneError> {
+        let Some(store) = self.skyline_tiles().filter(|store| !store.queue.is_given_up()) else {
+            return Ok(());
+        };
+        let ground = self.tile_ground();
+        let here = place.unit_vector();
+        let disc = Disc { middle: here, radius_m: MAX_SOURCE_DISTANCE_M };
+        let count = |tiles: &[usize]| tiles.iter().map(|tile| lights_of(&ground, *tile).len()).sum::<usize>();
+        let wanted = Vec::from_iter(tiles_of(&ground, &[disc]));
+        let mut missing = store.missing(&ground, wanted.iter().copied());
+        let lights = count(&missing);
+        if lights <= few {
+            return Ok(());
+        }
+        let blocks = &ground.pyramid.level(ground.level()).blocks;
+        let distance = |tile: &usize| blocks[*tile].direction.distance_squared(here);
+        missing.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if store.queue.add(missing) {
+            let scene = Arc::clone(self);
+            std::thread::spawn(move || scene.work_on_skylines());
+        }
+        Err(SceneError::SkylinesBeingFound {
+            progress: 1.0 - lights as f64 / count(&wanted) as f64,
+            left_s: lights as f64 / store.queue.lights_per_s(),
+        })
+    }
+
+    /// Makes the tiles of the queue until it is empty. Where one cannot be made or stored, those who ask make it, and wait.
+    fn work_on_skylines(&self) {
+        let Some(store) = self.skyline_tiles() else { return };
+        let ground = self.tile_ground();
+        // In the pool of all, the work of others would wait for that of a tile.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build();
+        let make = |tile: usize| {
+            let start = Instant::now();
+            let pool = pool.as_ref().ok()?;
+            let made = catch_unwind(AssertUnwindSafe(|| pool.install(|| store.prepare(&ground, tile))));
+            made.ok()?.ok()?;
+            Some(start.elapsed().as_secs_f64())
+        };
+        while let Some(tile) = store.queue.next() {
+            match make(tile) {
+                Some(seconds) => store.queue.done(tile, lights_of(&ground, tile).len(), seconds),
+                None => store.queue.give_up(),
+            }
+        }
     }
 
     /// Makes the skylines of all lights that reach places within bounds, where they are made by tile and are not stored yet; without

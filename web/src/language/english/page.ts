@@ -221,6 +221,8 @@ export const page = {
   places: {
     beside: (distanceKm: number, compass: string, town: string) => `${distanceKm} km ${compass} of ${town}`,
   },
+  /** Before the first answer about a region of a large scene. */
+  finding: (part: string) => `The horizons of the lights around here are being found for the first time: ${part} are there.`,
   /** Without a network. */
   offline: {
     stored: (when: string) => `The server does not answer: what is shown was kept, the oldest of ${when}.`,

@@ -212,6 +212,7 @@ export const page: PageWords = {
   places: {
     beside: (distanceKm, compass, town) => `${distanceKm} km ${compass} von ${town}`,
   },
+  finding: (part) => `Die Horizonte der Lichter ringsum werden zum ersten Mal bestimmt: ${part} sind da.`,
   offline: {
     stored: (when) => `Der Server antwortet nicht: was zu sehen ist, wurde aufgehoben, das Älteste vom ${when}.`,
     places: "Aufgehobene Orte:",

@@ -154,6 +154,10 @@ export const server: ServerWords = {
       "this is being made and goes on: {} % is done; ask again in {} s",
       "das wird gerade berechnet: {} % sind fertig; in {} s noch einmal fragen",
     ],
+    [
+      "the skylines of the lights around are found for the first time: {} % are there; ask again in {} s",
+      "die Horizonte der Lichter ringsum werden zum ersten Mal bestimmt: {} % sind da; in {} s noch einmal fragen",
+    ],
     ["the answer took longer than {} s", "die Antwort hat länger als {} s gedauert"],
     ["the request took too long to arrive", "die Anfrage kam zu langsam an"],
     ["the address asked for is longer than this server reads", "die Adresse ist länger, als dieser Server liest"],
