@@ -197,6 +197,34 @@ test("a busy server is asked again", async () => {
   await context.close();
 });
 
+/** What is found for the first time is waited for, however often one is told to come again, and said meanwhile. */
+test("what is being found is said and waited for", async () => {
+  const opened = await openPage(browser);
+  const { page, context, faults } = opened;
+  let refused = 0;
+  await page.route("**/sky?**", (route) => {
+    refused += 1;
+    if (refused > 6) return route.continue();
+    const body = { type: "/problems/being-made", title: "This is being made", status: 503, progress: refused / 10 };
+    return route.fulfill({
+      status: 503,
+      headers: { "retry-after": "1", "content-type": "application/problem+json" },
+      body: JSON.stringify(body),
+    });
+  });
+  await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
+  await page.getByRole("status").getByText("40 % are there").waitFor();
+  await skyShown(page);
+  assert.equal(refused, 7);
+  assert.equal(await page.locator("#finding").isVisible(), false);
+  assert.equal(await page.getByRole("alert").count(), 0);
+  assert.deepEqual(
+    faults.filter((fault) => !/status of 503/.test(fault)),
+    [],
+  );
+  await context.close();
+});
+
 test("a server that has gone away is said so", async () => {
   const opened = await openPage(browser);
   const { page, context } = opened;

@@ -171,12 +171,15 @@ impl Observatory {
         Ok(scenes)
     }
 
-    /// Reads every scene through that was not yet, and logs which are damaged: those are left out. Takes as long as the disk does.
+    /// Reads every scene through that was not yet, and logs which are damaged: those are left out. Others are opened where there is room.
+    /// Takes as long as the disk does.
     ///
     /// # Errors
     /// [`ObservatoryError::Scene`] where the folder cannot be read.
     pub fn check_scenes(&self) -> Result<(), ObservatoryError> {
-        Ok(self.scenes.check_all()?)
+        let sound = self.scenes.check_all()?;
+        self.scenes.open_ahead(&sound);
+        Ok(())
     }
 
     /// The scenes known to be damaged, and the number of the others that [`Self::check_scenes`] saw.

@@ -42,6 +42,8 @@ pub(crate) struct SceneCache {
     health: SceneHealth,
     /// Bytes that they may take together, and each of them alone.
     most_bytes: u64,
+    /// What one counts at least in `open`.
+    least_weight: u64,
     /// Held while a large one is opened.
     opening_large: Mutex<()>,
     /// How often a scene was read from disk.
@@ -76,6 +78,7 @@ impl SceneCache {
                 .build(),
             health: SceneHealth::default(),
             most_bytes,
+            least_weight: least,
             opening_large: Mutex::new(()),
             opened: AtomicUsize::new(0),
         }
@@ -211,9 +214,8 @@ impl SceneCache {
         }
     }
 
-    /// Reads every scene through that was not yet, or is damaged, and notes which are. Sound ones are opened while half of the room for
-    /// open scenes is free: who asks first then does not wait for that.
-    pub(crate) fn check_all(&self) -> Result<(), SceneError> {
+    /// Reads every scene through that was not yet, or is damaged, and notes which are. Those that were found sound now.
+    pub(crate) fn check_all(&self) -> Result<Vec<SceneId>, SceneError> {
         let list = self.store.list()?;
         let damaged = list.damaged.iter().filter_map(|error| match error {
             SceneError::Damaged { scene, .. } => SceneId::parse(scene).ok(),
@@ -222,16 +224,22 @@ impl SceneCache {
         let ids = list.scenes.into_iter().map(|scene| scene.id).chain(damaged);
         let there: Vec<_> = ids.filter_map(|id| self.stamp(&id).ok().map(|stamp| (id, stamp))).collect();
         self.health.begin(&there);
+        let mut sound = Vec::new();
         for (id, stamp) in there {
             if !self.health.is_sound(&id, stamp) {
                 self.health.note(&id, stamp, self.store.verify(&id).as_ref());
-                if self.health.is_sound(&id, stamp) && self.has_half_for(&id) {
-                    // Whoever asks for it is told what is wrong.
-                    let _best_effort = self.scene(&id);
-                }
+                sound.extend(self.health.is_sound(&id, stamp).then_some(id));
             }
         }
-        Ok(())
+        Ok(sound)
+    }
+
+    /// Opens scenes while half of the room for open ones is free: who asks first then does not wait for that.
+    pub(crate) fn open_ahead(&self, ids: &[SceneId]) {
+        for id in ids.iter().filter(|id| self.has_half_for(id)) {
+            // Whoever asks for it is told what is wrong.
+            let _best_effort = self.scene(id);
+        }
     }
 
     /// Whether a scene fits into half of the room for open ones, beside those that are.
@@ -239,7 +247,7 @@ impl SceneCache {
         self.open.run_pending_tasks();
         let most = self.open.policy().max_capacity().unwrap_or(0) / 2;
         let weight = self.store.scene_bytes(id).map_or(u64::MAX, |bytes| bytes / WEIGHT_BYTES);
-        weight.saturating_add(self.open.weighted_size()) <= most
+        weight.max(self.least_weight).saturating_add(self.open.weighted_size()) <= most
     }
 
     /// Whether a scene is known to be damaged as it is now.

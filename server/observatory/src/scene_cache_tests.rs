@@ -42,6 +42,16 @@ fn a_damaged_scene_is_left_out_until_whole() {
     later.check_all().unwrap();
     assert!(later.scene(&id).is_ok());
     assert_eq!(later.damaged(), (vec![], 1));
+    // What is sound is opened before somebody asks, where there is room for twice as much.
+    for (count, expected) in [(4, 1), (1, 0)] {
+        let changes = ChangeStore::new(data.path(), ChangeLimits::none());
+        let cache = SceneCache::new(later.store().clone(), changes, count, &CacheSizes::most(1 << 30));
+        let sound = cache.check_all().unwrap();
+        assert_eq!(sound, std::slice::from_ref(&id));
+        cache.open_ahead(&sound);
+        assert_eq!(cache.opened.load(Ordering::Relaxed), expected, "{count}");
+        assert!(cache.check_all().unwrap().is_empty(), "it is known already");
+    }
 }
 
 /// Stores a scene of two lights.
