@@ -40,6 +40,7 @@ impl SharedScenes {
     /// # Errors
     /// [`SceneError::StoreAway`], and as [`SceneStore::list`] of the scene.
     pub fn put(&self, local: &SceneStore, id: &SceneId) -> Result<(), SceneError> {
+        let _nobody_copies = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let stored = local.read_metadata(id)?;
         let folder = local.scene_dir(id);
         for file in &stored.files {
@@ -48,6 +49,11 @@ impl SharedScenes {
         let before = self.metadata(id)?;
         let metadata = std::fs::read(folder.join(METADATA_FILE));
         self.store.put(&described(id), &metadata.map_err(SceneError::io(folder.join(METADATA_FILE)))?)?;
+        // It is a copy from now on: somebody may remove it before it is looked for.
+        let copies_file = local.scenes_dir().join(COPIES_FILE);
+        let mut copies = copies(&copies_file);
+        copies.insert(id.to_string(), stored.metadata.version.clone());
+        write_copies(&copies_file, &copies)?;
         // Who is copying the one before finds the new one next time.
         match before.filter(|before| before.metadata.version != stored.metadata.version) {
             Some(before) => self.remove_files(id, &before),

@@ -58,6 +58,14 @@ fn scenes_are_those_of_the_store() {
     std::thread::sleep(std::time::Duration::from_millis(10));
     assert_eq!(refresh(&b.1, &b.0.store), std::slice::from_ref(&id));
     assert_eq!(b.0.store.open(&id).unwrap().metadata().version, second.metadata().version);
+    // What one puts and another removes at once is gone.
+    let (c, of_c) = (TestStore::new(), SharedScenes::new(bucket.clone()));
+    scene(&c, 4.0);
+    of_c.put(&c.store, &id).unwrap();
+    b.1.remove(&id).unwrap();
+    assert_eq!(refresh(&of_c, &c.store), std::slice::from_ref(&id));
+    assert!(!c.store.exists(&id));
+    a.1.put(&a.0.store, &id).unwrap();
     // What is removed goes everywhere, but for what somebody put in its place.
     scene(&a.0, 3.0);
     b.1.remove(&id).unwrap();

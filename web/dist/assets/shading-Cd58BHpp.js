@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-C7x63M-W.js";

@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-8bNJV4a3.js";
