@@ -31,6 +31,16 @@ def test_a_fisheye_is_brightest_where_the_sky_is(town):
     ticks = [label.get_text() for label in drawn(ax).colorbar.ax.get_yticklabels()]
     assert ticks == ["16", "18", "20", "22", "24"]
     assert "Illustrative" in ax.get_title(loc="left")
+    narrow = town.skyglow.fisheye(limits=(17, 22))
+    assert [label.get_text() for label in drawn(narrow).colorbar.ax.get_yticklabels()] == [
+        "17",
+        "18",
+        "19",
+        "20",
+        "21",
+        "22",
+    ]
+    assert drawn(town.skyglow.fisheye(colorbar=False)).colorbar is None
 
 
 def test_a_strip_has_the_horizon(client):
@@ -54,8 +64,11 @@ def test_maps_of_points_and_layers(client):
     frame = client.influence(*VALLEY, limit=30)
     ax = skyglow.plot.map(frame)
     assert drawn(ax).colorbar.ax.get_ylabel() == "share of zenith"
-    offsets = drawn(ax).get_offsets()
-    assert tuple(offsets[-1]) == pytest.approx((frame["longitude_deg"].iloc[0], frame["latitude_deg"].iloc[0]))
+    # Pixels lie beside each other, the strongest on top.
+    pixels = [path.vertices[:4] for path in drawn(ax).get_paths()]
+    strongest = (frame["longitude_deg"].iloc[0], frame["latitude_deg"].iloc[0])
+    assert tuple(pixels[-1].mean(axis=0)) == pytest.approx(strongest)
+    assert np.ptp(pixels[-1], axis=0) == pytest.approx([1 / 120, 1 / 120], rel=1e-5)
     ax = skyglow.plot.map(client.skies([TOWN, VALLEY]))
     assert "mag/arcsec²" in drawn(ax).colorbar.ax.get_ylabel()
     layer = client.layer("radiance")

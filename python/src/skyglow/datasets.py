@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas
+import pyproj
 import xarray
 
 if TYPE_CHECKING:
@@ -127,8 +128,16 @@ def _coordinates(
     }
     if said.get("time"):
         instant = pandas.Timestamp(said["time"]).tz_convert("UTC").tz_localize(None)
-        coordinates["time"] = ((), instant.to_datetime64(), {"standard_name": "time"})
-    return coordinates
+        said_of_time = {"standard_name": "time", "units_metadata": "leap_seconds: none"}
+        coordinates["time"] = ((), instant.to_datetime64(), said_of_time)
+    return {name: without_fill_value(*one) for name, one in coordinates.items()}
+
+
+def without_fill_value(
+    dims: Any, values: Any, attributes: Mapping[str, Any] | None = None
+) -> tuple[Any, Any, Mapping[str, Any], dict[str, Any]]:
+    """A coordinate: CF has no missing values in it, and xarray writes none where it is told so."""
+    return dims, values, attributes or {}, {"_FillValue": None}
 
 
 def _attributes(said: Mapping[str, Any]) -> dict[str, Any]:
@@ -139,6 +148,7 @@ def _attributes(said: Mapping[str, Any]) -> dict[str, Any]:
     attributes = {
         "Conventions": CONVENTIONS,
         "title": f"Night sky at {place(said['observer'])}",
+        "history": f"computed by Skyglow from scene {scene['id']}, version {scene['version']}",
         "comment": "Illustrative light, not measured." if scene["illustrative"] else "",
         "light": said["light"],
         "scene": scene["id"],
@@ -195,6 +205,18 @@ def together(skies: Sequence[xarray.Dataset]) -> xarray.Dataset:
     return whole.assign(radiance=first["radiance"], horizon=first["horizon"])
 
 
+def of_layer(layer: xarray.DataArray) -> xarray.Dataset:
+    """A layer with the global attributes of CF, which an array has no place for: for netCDF."""
+    name, tags = str(layer.name), layer.attrs
+    title = str(tags.get("long_name", name)).partition(";")[0]
+    made = {
+        "Conventions": CONVENTIONS,
+        "title": title,
+        "history": f"computed by {tags.get('TIFFTAG_SOFTWARE', 'Skyglow')}",
+    }
+    return layer.to_dataset(name=name).assign_attrs(made)
+
+
 def raster(name: str) -> Callable[[Response], xarray.DataArray]:
     """Reads a GeoTIFF as a grid with its coordinate reference system as CF has it (`spatial_ref`)."""
 
@@ -219,7 +241,9 @@ def raster(name: str) -> Callable[[Response], xarray.DataArray]:
         if not is_geographic:
             y_attributes = {"standard_name": "projection_y_coordinate", "units": "m"}
             x_attributes = {"standard_name": "projection_x_coordinate", "units": "m"}
-        reference = {} if crs is None else {"crs_wkt": crs.to_wkt()}
+        # With the name and the parameters that CF has for it.
+        reference = {} if crs is None else pyproj.CRS.from_wkt(crs.to_wkt()).to_cf()
+        reference["long_name"] = "coordinate reference system"
         attributes = {"long_name": description or name, "grid_mapping": "spatial_ref", **tags}
         if unit:
             attributes["units"] = unit
@@ -227,8 +251,8 @@ def raster(name: str) -> Callable[[Response], xarray.DataArray]:
             np.asarray(values),
             dims=names,
             coords={
-                names[0]: (names[0], transform.f + transform.e * rows, y_attributes),
-                names[1]: (names[1], transform.c + transform.a * columns, x_attributes),
+                names[0]: without_fill_value(names[0], transform.f + transform.e * rows, y_attributes),
+                names[1]: without_fill_value(names[1], transform.c + transform.a * columns, x_attributes),
                 "spatial_ref": ((), 0, reference),
             },
             name=name,

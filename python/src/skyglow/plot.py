@@ -9,8 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
+from matplotlib.collections import Collection, PolyCollection
 from matplotlib.colors import LogNorm, Normalize
+from matplotlib.ticker import FuncFormatter
 
 from . import datasets
 
@@ -20,9 +21,20 @@ GROUND = "#1b1d22"
 BRIGHTEST_MAG, DARKEST_MAG = 15.0, 25.0
 
 
-def fisheye(sky: xarray.Dataset, *, ax: Axes | None = None, cmap: str = "inferno", title: str | None = None) -> Axes:
-    """The sky as one sees it lying on the ground, head to the north: north up, east left, the zenith in the middle."""
-    values, norm, label = _shown(sky)
+def fisheye(
+    sky: xarray.Dataset,
+    *,
+    ax: Axes | None = None,
+    cmap: str = "inferno",
+    title: str | None = None,
+    limits: tuple[float, float] = (BRIGHTEST_MAG, DARKEST_MAG),
+    colorbar: bool = True,
+) -> Axes:
+    """The sky as one sees it lying on the ground, head to the north: north up, east left, the zenith in the middle.
+
+    ``limits`` are the magnitudes of the brightest and the darkest colour.
+    """
+    values, norm, label = _shown(sky, limits)
     if ax is None:
         _, made = plt.subplots(figsize=(6.4, 6.4), subplot_kw={"projection": "polar"}, layout="constrained")
         ax = made
@@ -43,13 +55,21 @@ def fisheye(sky: xarray.Dataset, *, ax: Axes | None = None, cmap: str = "inferno
     polar.grid(color="white", alpha=0.18, linewidth=0.6)
     polar.tick_params(pad=4)
     polar.spines["polar"].set_color(GROUND)
-    _finish(ax, mesh, norm, label, sky, title, shrink=0.72)
+    _finish(ax, mesh, norm, label, sky, title, 0.72 if colorbar else None)
     return ax
 
 
-def panorama(sky: xarray.Dataset, *, ax: Axes | None = None, cmap: str = "inferno", title: str | None = None) -> Axes:
-    """The sky as a strip, south in the middle."""
-    values, norm, label = _shown(sky)
+def panorama(
+    sky: xarray.Dataset,
+    *,
+    ax: Axes | None = None,
+    cmap: str = "inferno",
+    title: str | None = None,
+    limits: tuple[float, float] = (BRIGHTEST_MAG, DARKEST_MAG),
+    colorbar: bool = True,
+) -> Axes:
+    """The sky as a strip, south in the middle; ``limits`` as for a fisheye."""
+    values, norm, label = _shown(sky, limits)
     if ax is None:
         _, ax = plt.subplots(figsize=(11, 3.6), layout="constrained")
     # North is at both ends.
@@ -61,7 +81,7 @@ def panorama(sky: xarray.Dataset, *, ax: Axes | None = None, cmap: str = "infern
     ax.set(xlim=(0.0, 360.0), ylim=(0.0, 90.0), xlabel="azimuth", ylabel="elevation")
     ax.set_xticks(np.arange(0, 361, 45), [*COMPASS, "N"])
     ax.set_yticks(np.arange(0, 91, 30), [f"{angle}°" for angle in range(0, 91, 30)])
-    _finish(ax, mesh, norm, label, sky, title, shrink=1.0)
+    _finish(ax, mesh, norm, label, sky, title, 1.0 if colorbar else None)
     return ax
 
 
@@ -97,26 +117,29 @@ def map(  # noqa: A001 - `skyglow.plot.map` is the plain name
     if drawn is not None:
         bar = ax.figure.colorbar(drawn, ax=ax, shrink=0.85, pad=0.02)
         bar.set_label(label)
+        if label.startswith(("share", "part")):
+            bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100 * share:g} %"))
         if "mag" in label:
             bar.ax.invert_yaxis()
     ax.set_title(title or _map_title(shown), fontsize="medium", loc="left")
     return ax
 
 
-def _shown(sky: xarray.Dataset) -> tuple[np.ndarray[Any, Any], Normalize, str]:
+def _shown(sky: xarray.Dataset, limits: tuple[float, float]) -> tuple[np.ndarray[Any, Any], Normalize, str]:
     """What a picture shows of a sky: magnitudes where it has them, else the value itself on a logarithmic scale."""
     if "response" in sky.dims:
         raise ValueError('the sky has several responses: sky.sel(response="photopic") takes one')
     order = ("elevation", "azimuth")
     if "brightness" in sky and not bool(sky["brightness"].isnull().all()):
-        values = _down_to_the_ground(sky["brightness"].transpose(*order).values, DARKEST_MAG)
+        brightest, darkest = limits
+        values = _down_to_the_ground(sky["brightness"].transpose(*order).values, darkest)
         # Colour maps end bright: the scale runs from dark to bright.
-        return -values, Normalize(-DARKEST_MAG, -BRIGHTEST_MAG), "brightness, mag/arcsec²"
+        return -values, Normalize(-darkest, -brightest), "brightness, mag/arcsec²"
     name = "luminance" if "luminance" in sky else "radiance_seen"
     shown = sky[name].transpose(*order)
     unit = shown.attrs["units"]
     if unit == "cd m-2":
-        low, high = datasets.luminance_cd_m2([DARKEST_MAG, BRIGHTEST_MAG])
+        low, high = datasets.luminance_cd_m2(limits[::-1])
     else:
         lit = shown.values[shown.values > 0]
         low, high = (lit.min(), lit.max() * 1.001) if lit.size else (1e-9, 1.0)
@@ -139,13 +162,16 @@ def _unit(unit: str) -> str:
 
 
 def _finish(
-    ax: Axes, mesh: Any, norm: Normalize, label: str, sky: xarray.Dataset, title: str | None, shrink: float
+    ax: Axes, mesh: Any, norm: Normalize, label: str, sky: xarray.Dataset, title: str | None, shrink: float | None
 ) -> None:
-    bar = ax.figure.colorbar(mesh, ax=ax, shrink=shrink, pad=0.04, extend="both")
-    bar.set_label(label)
-    if not isinstance(norm, LogNorm):
-        ticks = np.arange(np.ceil(BRIGHTEST_MAG / 2) * 2, DARKEST_MAG + 0.5, 2.0)
-        bar.set_ticks(list(-ticks), labels=[f"{tick:.0f}" for tick in ticks])
+    if shrink is not None:
+        bar = ax.figure.colorbar(mesh, ax=ax, shrink=shrink, pad=0.04, extend="both")
+        bar.set_label(label)
+        if not isinstance(norm, LogNorm):
+            brightest, darkest = -float(norm.vmax or 0.0), -float(norm.vmin or 0.0)
+            step = 2.0 if darkest - brightest > 6.0 else 1.0
+            ticks = np.arange(np.ceil(brightest / step) * step, darkest + 1e-6, step)
+            bar.set_ticks(list(-ticks), labels=[f"{tick:.0f}" for tick in ticks])
     ax.set_title(_sky_title(sky) if title is None else title, fontsize="medium", loc="left")
 
 
@@ -174,7 +200,7 @@ def _edges(centres: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 def _draw_points(
     ax: Axes, frame: geopandas.GeoDataFrame, column: str | None, cmap: str | None
-) -> tuple[PathCollection | None, str]:
+) -> tuple[Collection | None, str]:
     usual = ("share", "cut", "zenith_total_brightness_mag_arcsec2", "brightness_mag_arcsec2", "population")
     name = column or next((known for known in usual if known in frame.columns), None)
     points = frame.geometry
@@ -188,24 +214,53 @@ def _draw_points(
     norm: Normalize | None = Normalize(0.0, 1.0) if name == "cut" else None
     if name in ("share", "influence", "population") and (values > 0).any():
         norm = LogNorm(values[values > 0].min(), values.max())
-    size = 24 if len(frame) < 1000 else 8
-    drawn = ax.scatter(
-        points.x.to_numpy()[order],
-        points.y.to_numpy()[order],
-        c=values.to_numpy()[order],
-        s=size,
-        marker="o" if len(frame) < 100 or is_magnitude else "s",
-        norm=norm,
-        cmap=cmap or ("inferno_r" if is_magnitude else "magma_r"),
-        linewidths=0.2,
-        edgecolors="0.3",
-    )
+    at, seen = np.column_stack([points.x, points.y])[order], values.to_numpy()[order]
+    colours = cmap or ("inferno_r" if is_magnitude else "magma_r")
+    # Named places have shares too, and are no pixels.
+    size = _pixel_size(at) if name in ("share", "influence", "cut") and "name" not in frame else None
+    if size is not None:
+        corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * size
+        drawn: Collection = PolyCollection(
+            at[:, np.newaxis] + corners, array=seen, norm=norm, cmap=colours, linewidths=0, rasterized=True
+        )
+        drawn.set_offsets(np.zeros((1, 2)))
+        ax.add_collection(drawn)
+        ax.margins(0.08)
+        ax.autoscale_view()
+    else:
+        drawn = ax.scatter(
+            at[:, 0],
+            at[:, 1],
+            c=seen,
+            s=24 if len(frame) < 1000 else 8,
+            marker="o" if len(frame) < 100 or is_magnitude else "s",
+            norm=norm,
+            cmap=colours,
+            linewidths=0.2,
+            edgecolors="0.3",
+        )
+        ax.margins(0.08)
     observers = [frame.attrs] if "observer" in frame.attrs else frame.attrs.get("sites", [])
     for observer in (each["observer"] for each in observers):
         where = (observer["longitude_deg"], observer["latitude_deg"])
         ax.plot(*where, "x", color="tab:blue", ms=11, mew=2.5)
         ax.annotate("observer", where, xytext=(7, 7), textcoords="offset points", color="tab:blue")
     return drawn, _label(name, frame.attrs)
+
+
+def _pixel_size(at: np.ndarray[Any, Any]) -> np.ndarray[Any, Any] | None:
+    """Width and height of the pixels whose middles these are; None where no grid along the axes has them."""
+    sizes = []
+    for along in at.T:
+        ticks = np.unique(np.round(along, 7))
+        if ticks.size < 2:
+            return None
+        step = float(np.diff(ticks).min())
+        steps = (ticks - ticks[0]) / step
+        if np.abs(steps - np.round(steps)).max() > 0.05:
+            return None
+        sizes.append(float(ticks[-1] - ticks[0]) / float(np.round(steps[-1])))
+    return np.array(sizes)
 
 
 def _label(name: str, attributes: dict[str, Any]) -> str:

@@ -62,6 +62,13 @@ impl BrokenClouds {
         self.pattern
     }
 
+    /// Radiance of artificial light in a direction, mean over all patterns, given it under a clear sky and under a closed layer.
+    pub fn mean_radiance(self, clear: f64, overcast: f64, elevation_rad: f64) -> f64 {
+        let below = clear.min(share_below(elevation_rad) * overcast);
+        let gap = self.cover * below + (1.0 - self.cover) * clear;
+        (1.0 - self.cover) * gap + self.cover * overcast
+    }
+
     /// A closed layer.
     pub const CLOSED: BrokenClouds = BrokenClouds { cover: 1.0, pattern: None };
 
@@ -85,7 +92,7 @@ impl BrokenClouds {
 }
 
 /// One pattern over an eye.
-struct Layer {
+pub(crate) struct Layer {
     pattern: u64,
     /// Noise above it is cloud.
     threshold: f64,
@@ -93,7 +100,7 @@ struct Layer {
 }
 
 impl Layer {
-    fn new(cover: f64, pattern: u64, above_eye_m: f64) -> Self {
+    pub(crate) fn new(cover: f64, pattern: u64, above_eye_m: f64) -> Self {
         let layer = Self { pattern, threshold: 0.0, above_eye_m };
         let at = |place: usize| place as f64 * THRESHOLD_STEP * CLOUD_SIZE_M;
         let count = THRESHOLD_SAMPLES * THRESHOLD_SAMPLES;
@@ -106,7 +113,7 @@ impl Layer {
     }
 
     /// The pattern at a place of the layer, metres east and north of a corner of it.
-    fn noise(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(crate) fn noise(&self, east_m: f64, north_m: f64) -> f64 {
         // The noise varies most at the points of its lattice: the eye stands elsewhere for every pattern.
         let [x, y] = R2.map(|step| step * (self.pattern + 1) as f64);
         octaves(x + east_m / CLOUD_SIZE_M, y + north_m / CLOUD_SIZE_M, OCTAVES, self.pattern << 8)

@@ -2,17 +2,22 @@
 //!
 //! [`Tracer`] follows light from the observer to the source; it is exact wherever light is not rare. Far from a
 //! source in thick haze it is: [`ForwardTracer`] follows light from the source and counts it at many view rays
-//! at once, by the symmetry about the source's vertical. Each checks the other.
+//! at once, by the symmetry about the source's vertical. Each checks the other. [`CloudTracer`] follows light backward through
+//! clouds as bodies.
 
 mod backward;
+mod cloud_cells;
 mod crossing;
 pub(crate) mod draws;
 mod forward;
+mod through_clouds;
 
 use crate::emission::LOBE_COUNT;
 pub use backward::Tracer;
+pub use cloud_cells::{CloudField, CloudMatter};
 pub use crossing::Detector;
 pub use forward::ForwardTracer;
+pub use through_clouds::{CLOUD_ASYMMETRY, CloudTracer, MeanRadiance, Town};
 
 /// Orders that are reported separately.
 pub const SEPARATE_ORDERS: usize = 12;
