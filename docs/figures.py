@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [night|land|clouds|natural|ground|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [gallery|night|land|clouds|natural|ground|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 On Debian: apt-get install python3-requests python3-rasterio python3-pil python3-matplotlib
 """
 
@@ -139,6 +139,35 @@ def side_by_side(name, rows):
         for across, image in enumerate(row):
             whole.paste(image.convert("RGB"), (across * (width + gap), down * (height + gap)))
     whole.save(f"{FOLDER}/{name}.png", optimize=True)
+
+
+def labelled(image, words):
+    """A picture with words in its lower left corner."""
+    image = image.convert("RGBA")
+    draw = ImageDraw.Draw(image)
+    left, top, right, bottom = draw.textbbox((14, image.height - 34), words, font=FONT)
+    plate = Image.new("RGBA", image.size)
+    ImageDraw.Draw(plate).rounded_rectangle((left - 7, top - 5, right + 7, bottom + 5), 6, fill=(9, 13, 26, 190))
+    image.alpha_composite(plate)
+    ImageDraw.Draw(image).text((14, image.height - 34), words, fill="white", font=FONT)
+    return image
+
+
+def gallery():
+    """One place beside a city: by new Moon, half Moon, at dusk and under clouds; then its lamps, and a plan. The eye of a row is one."""
+    place = {"lat": -1.52, "lon": 36.62}
+    look = {**place, "projection": "perspective", "azimuth": 48, "elevation": 24, "fov": 84, "width": 640, "height_px": 400, "style": "eye", "legend": "off"}
+    see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", **{**look, **params}), words)
+    dark = "2026-08-12T19:00:00Z"
+    made = ask("POST", f"{API}/scenes/{SCENE}/plans", json={"method": "target", "max_cut": 0.7, "sites": [{**place, "reduce_by": 0.5}]}).json()
+    lamps = {"time": dark, "adaptation": 0.0012}
+    side_by_side("gallery", [
+        [see("new Moon", time=dark), see("half Moon", time="2026-08-20T18:00:00Z"), see("dusk", time="2026-08-12T16:12:00Z"),
+         see("clouds", time=dark, clouds=1500, cloud_cover=0.5, cloud_pattern=3)],
+        [see("sodium lamps", lamp="hps", **lamps), see("LED, 4000 K", lamp="led_4000k", **lamps),
+         see("today", **lamps), see("with a plan: half of the glow overhead", scenario=made["id"], **lamps)],
+    ])
+    print("gallery", made["id"], made["dimmed_pixels"], made["flux_removed_share"], made["sites"][0])
 
 
 def night():
@@ -295,6 +324,8 @@ def ground():
 
 def main():
     alone = sys.argv[4:]
+    if not alone or "gallery" in alone:
+        gallery()
     if not alone or "night" in alone:
         night()
     if not alone or "land" in alone:

@@ -2,7 +2,7 @@
 // (Painting and marking a part of the sky by finger have their tests beside those by mouse.)
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assertNoFaults, getJson, numbersShown, openPage, PHONE, shot, skyShown } from "./support/browser.mjs";
+import { assertNoFaults, getJson, numbersShown, openPage, PHONE, SERVER, shot, skyShown } from "./support/browser.mjs";
 import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
 const inAddress = (page, name) => page.evaluate((name) => new URLSearchParams(location.hash.slice(1)).get(name), name);
@@ -70,7 +70,8 @@ test("fingers pick, switch layers, zoom and share", async () => {
     };
   });
   await page.locator("#share").tap();
-  assert.equal(await page.evaluate(() => window.shared.url), await page.evaluate(() => location.href));
+  const view = await page.evaluate(() => location.hash.slice(1));
+  assert.ok((await page.evaluate(() => window.shared.url)).startsWith(`${SERVER}/at?${view}`));
   assertNoFaults(opened);
   await context.close();
 });

@@ -2,6 +2,7 @@
 
 use crate::parameters::{
     CompactParameters, GridParameters, PanoramaParameters, Parameter, ParameterSet, RasterParameters,
+    WebPParameters,
 };
 
 /// A format of a panorama.
@@ -45,7 +46,8 @@ impl Format {
     /// The parameters that mean something for it.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
-            Format::Png | Format::WebP => PanoramaParameters::ALL,
+            Format::Png => PanoramaParameters::ALL,
+            Format::WebP => WebPParameters::ALL,
             Format::Exr | Format::Tiff => RasterParameters::ALL,
             Format::Json => GridParameters::ALL,
             Format::Sky => CompactParameters::ALL,

@@ -4,14 +4,13 @@ use crate::{
     accept::Format,
     answers::{Assumptions, PanoramaAnswer, compact_panorama},
     request::PictureRequest,
+    sky_bodies::bodies_of,
 };
 use skyglow_display::{
-    Disc, DisplayError, Notes, PictureOptions, PointLight, Sky, SkyBodies, encode_exr, encode_png,
-    encode_tiff, encode_webp, notes, picture_with, raster,
+    DisplayError, DynamicRange, Notes, PictureOptions, Sky, encode_exr, encode_hdr_png, encode_png,
+    encode_tiff, encode_webp, hdr_picture_with, notes, picture_with, raster,
 };
-use skyglow_observatory::{
-    GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground, night_sky::NightSky,
-};
+use skyglow_observatory::{GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground};
 use skyglow_physics::{Response, spectrum::RGB_BANDS};
 use std::cell::OnceCell;
 use thiserror::Error;
@@ -52,15 +51,14 @@ pub fn draw(
     let total = (view.options.sky == Sky::Total).then(|| sky.seen_in_total());
     let light = if total.is_some() && sky.night.is_some() { Sky::TotalOfInstant } else { view.options.sky };
     let options = PictureOptions { illustrative: assumptions.scene.illustrative, sky: light, ..view.options };
-    let notes = notes(&assumptions, options.sky)?;
+    let notes = notes(&assumptions, &options)?;
     let ground = ground_request(view, format);
     let ground = ground.map(|wanted| lit_ground(scene, request, sky, &wanted)).transpose()?;
-    let image = || {
-        let seen = total.as_ref().unwrap_or(&sky.seen);
-        let night = sky.night.as_ref().filter(|_| total.is_some());
-        let bodies = night.map(bodies_of).unwrap_or_default();
-        picture_with(&bodies, ground.as_ref(), seen, &sky.response, &sky.horizon, &options)
-    };
+    let seen = total.as_ref().unwrap_or(&sky.seen);
+    let bodies = || sky.night.as_ref().filter(|_| total.is_some()).map(bodies_of).unwrap_or_default();
+    let image = || picture_with(&bodies(), ground.as_ref(), seen, &sky.response, &sky.horizon, &options);
+    let hdr_image =
+        || hdr_picture_with(&bodies(), ground.as_ref(), seen, &sky.response, &sky.horizon, &options);
     // Luminance is in R, G and B already, nearly: what else was asked for is a band of its own.
     let response = Some(&sky.response).filter(|response| **response != Response::Photopic);
     let bands = OnceCell::new();
@@ -70,6 +68,7 @@ pub fn draw(
         raster(bands, &sky.horizon, options.projection, view.raster_size_px, response)
     };
     Ok(match format {
+        Format::Png if options.dynamic_range == DynamicRange::High => encode_hdr_png(&hdr_image()?, &notes)?,
         Format::Png => encode_png(&image()?, &notes)?,
         Format::WebP => encode_webp(&image()?, &notes)?,
         Format::Exr => encode_exr(&floats()?, &notes)?,
@@ -81,31 +80,10 @@ pub fn draw(
     })
 }
 
-/// Stars, planets, Moon and Sun for a picture.
-fn bodies_of(night: &NightSky) -> SkyBodies {
-    let points = night.points().into_iter().map(|point| PointLight {
-        direction: point.direction,
-        illuminance_lx: point.illuminance_lx,
-        limit_mag: point.limit_mag,
-    });
-    let discs = night.discs().into_iter().map(|disc| {
-        let lit_cd_m2 = disc.lit_cd_m2();
-        Disc {
-            direction: disc.point.direction,
-            radius_rad: 0.5 * disc.diameter_rad,
-            lit_cd_m2,
-            dark_cd_m2: lit_cd_m2.map(|luminance| luminance * disc.dark_ratio),
-            lit_share: disc.lit_share,
-            bright_limb_rad: disc.bright_limb_rad,
-        }
-    });
-    SkyBodies { points: points.collect(), discs: discs.collect() }
-}
-
 /// The words of a file: place, light, air, and whether the light was measured.
-fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Error> {
+fn notes(assumptions: &Assumptions, options: &PictureOptions) -> Result<Notes, serde_json::Error> {
     let Assumptions { scene, observer, .. } = assumptions;
-    let light = match light {
+    let light = match options.sky {
         Sky::Artificial => "artificial light alone",
         Sky::Total => "artificial light with the natural sky",
         Sky::TotalOfInstant => "artificial light with the natural sky of the time",
@@ -122,6 +100,9 @@ fn notes(assumptions: &Assumptions, light: Sky) -> Result<Notes, serde_json::Err
         assumptions.emission.preset.as_deref().unwrap_or("custom"),
         assumptions.coverage,
     );
+    if options.dynamic_range == DynamicRange::High {
+        words.push_str(", rendered for screens that go above white: no photometry");
+    }
     if let Some(time) = &assumptions.time {
         words.push_str(&format!(", time {time}"));
     }

@@ -29,6 +29,7 @@ pub mod reader;
 pub mod request;
 pub mod sandbox;
 pub mod shares_file;
+mod sky_bodies;
 pub mod sky_lines;
 pub mod source;
 pub mod standard_parameters;

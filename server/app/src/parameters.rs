@@ -268,6 +268,10 @@ parameters! {
     GROUND = "ground", Kind::Choice(&["dark", "lit", "snow"]), "dark", false;
     /// Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky.
     ADAPTATION = "adaptation", Kind::Number { minimum: 1e-4, maximum: 1e5, unit: " cd/m2" }, "", false;
+    /// `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in
+    /// PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These
+    /// are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG.
+    DYNAMIC_RANGE = "dynamic_range", Kind::Choice(&["standard", "hdr"]), "standard", false;
     /// Width of the sky in the picture; the default depends on projection and format.
     WIDTH = "width", Kind::Integer { minimum: 16, maximum: 4096 }, "", false;
     /// Height of the sky in the picture, without the legend; the default depends on projection and format. Width times
@@ -412,10 +416,16 @@ parameter_sets! {
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
         SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, WIDTH, HEIGHT_PX,
     ];
+    /// Those of a panorama as WebP, which has one dynamic range.
+    WebPParameters = [
+        LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, WIDTH,
+        HEIGHT_PX, LEGEND,
+    ];
     /// Those of a panorama as a picture.
     PanoramaParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
-        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, WIDTH,
+        SKY, TIME, SOLAR_FLUX, SCENARIO, PROJECTION, AZIMUTH, ELEVATION, FOV, STYLE, COLORMAP, SCALE, MIN, MAX, EXPOSURE, ADAPTATION, GROUND, DYNAMIC_RANGE, WIDTH,
         HEIGHT_PX, LEGEND,
     ];
 }

@@ -136,6 +136,9 @@ pub(crate) struct PartialSettings {
     /// Where clients reach the server, for links in answers [default: as trusted proxies and the Host header say]
     #[arg(long, env = "SKYGLOW_PUBLIC_URL", value_name = "URL")]
     pub(crate) public_url: Option<String>,
+    /// PMTiles file of vector tiles with Protomaps' layers, which the viewer's map shows below the lights [default: none]
+    #[arg(long, env = "SKYGLOW_BASEMAP", value_name = "FILE")]
+    pub(crate) basemap: Option<PathBuf>,
     /// Origins of other sites whose pages may have scenarios and plans stored, as https://maps.example.org, or * [default: none]
     #[arg(long, env = "SKYGLOW_CORS_ORIGINS", value_name = "ORIGINS", value_delimiter = ',')]
     pub(crate) cors_origins: Option<Vec<String>>,
@@ -281,6 +284,7 @@ mod tests {
         assert_eq!(schema["additionalProperties"], serde_json::json!(false));
         let mut settings = Settings::default();
         settings.http.public_url = Some(String::new());
+        settings.http.basemap = Some(PathBuf::new());
         settings.otlp_endpoint = Some(String::new());
         settings.store = Some(String::new());
         settings.valkey = Some(String::new());

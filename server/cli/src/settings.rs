@@ -2,7 +2,7 @@
 
 use crate::{device::Device, failure::Failure, folders};
 use serde::{Deserialize, Serialize};
-use skyglow_http::{Access, ApiKey, HttpConfig, KeptStore, Valkey, access::AccessError};
+use skyglow_http::{Access, ApiKey, Basemap, HttpConfig, KeptStore, Valkey, access::AccessError};
 use skyglow_scene::{ChangeLimits, ChangeStore, MAX_DRAFT_BYTES};
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -132,6 +132,9 @@ impl Settings {
         let is_origin = |origin: &String| origin == "*" || is_url(origin) && origin.matches('/').count() == 2;
         let allowed = "origins such as https://maps.example.org, without a path, or *";
         require(http.cors_origins.iter().all(is_origin), "cors_origins", allowed);
+        if let Some(error) = http.basemap.as_ref().and_then(|path| Basemap::open(path).err()) {
+            require(false, "basemap", &format!("a PMTiles file of vector tiles: {error}"));
+        }
         let collector = self.otlp_endpoint.as_ref();
         let is_plain = |url: &String| url.starts_with("http://") && is_url(url);
         require(collector.is_none_or(is_plain), "otlp_endpoint", "an address such as http://collector:4318");

@@ -9,7 +9,7 @@ use crate::{
     sampler::{Sampler, taps},
 };
 use skyglow_physics::{Direction, Horizon, Response, SeenSky, photometry::naked_eye_limit_mag};
-use std::f64::consts::PI;
+use std::{borrow::Cow, f64::consts::PI};
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
 const EYE_BLUR_RAD: f64 = 1.1e-3;
@@ -32,34 +32,57 @@ pub struct SkyBodies {
 impl SkyBodies {
     /// Moon and Sun where no ground hides them, as sources of glare.
     pub(crate) fn halos(&self, horizon: &Horizon) -> Vec<Halo> {
-        let is_seen = |disc: &&Disc| disc.direction.elevation_rad >= 0.0 && !horizon.hides(disc.direction);
-        let halo = |disc: &Disc| {
-            let solid_angle_sr = PI * disc.radius_rad * disc.radius_rad;
-            let mean =
-                |i: usize| disc.lit_share * disc.lit_cd_m2[i] + (1.0 - disc.lit_share) * disc.dark_cd_m2[i];
-            let illuminance_lx = std::array::from_fn(|i| solid_angle_sr * mean(i));
-            Halo::new(disc.direction, disc.radius_rad, illuminance_lx)
-        };
-        self.discs.iter().filter(is_seen).map(halo).collect()
+        halos(&self.discs, horizon)
     }
 
     /// The points that the naked eye sees before a sky, which holds all light there is, and the veil that the eye makes of it.
     pub fn seen_points(&self, sky: &SeenSky, horizon: &Horizon) -> Vec<PointLight> {
-        let filled = without_ground(sky, horizon);
-        let Some(plane) = filled.seen_by(&Response::Photopic).filter(|_| !self.points.is_empty()) else {
+        let Some(behind) = Behind::of(sky, &self.discs, horizon).filter(|_| !self.points.is_empty()) else {
             return Vec::new();
         };
-        let halos = self.halos(horizon);
-        let glare = Glare::new([plane; 4], &halos);
-        let sampler = Sampler::new([plane]);
-        let background = |direction| {
-            let [luminance_cd_m2] = sampler.values(direction)?;
-            let near = halos.iter().filter_map(|halo| halo.near(direction)).map(|[_, more, ..]| more);
-            let [_, veil_cd_m2, ..] = glare.at(&taps(direction)?);
-            Some(even_background_cd_m2(luminance_cd_m2, veil_cd_m2 + near.sum::<f64>()))
-        };
+        let background = |direction| behind.background_cd_m2(direction);
         self.points.iter().filter(|point| point.is_seen(horizon, background)).copied().collect()
     }
+}
+
+/// What the eye has behind stars: a sky of all light there is, and the veil that the eye makes of it.
+#[derive(Clone, Debug)]
+pub struct Behind<'a> {
+    sky: Cow<'a, SeenSky>,
+    glare: Glare<1>,
+    halos: Vec<Halo<1>>,
+}
+
+impl<'a> Behind<'a> {
+    /// A sky with Moon and Sun before it; None for one without luminance.
+    pub fn of(sky: &'a SeenSky, discs: &[Disc], horizon: &Horizon) -> Option<Self> {
+        let halos: Vec<Halo<1>> = halos(discs, horizon).iter().map(Halo::photopic).collect();
+        let sky = without_ground(sky, horizon);
+        let glare = Glare::new([sky.seen_by(&Response::Photopic)?], &halos);
+        Some(Self { sky, glare, halos })
+    }
+
+    /// The even background that hides as much, cd m⁻²; None below the horizontal plane.
+    pub fn background_cd_m2(&self, direction: Direction) -> Option<f64> {
+        let plane = self.sky.seen_by(&Response::Photopic)?;
+        let [luminance_cd_m2] = Sampler::new([plane]).values(direction)?;
+        let near = self.halos.iter().filter_map(|halo| halo.near(direction)).map(|[more]| more);
+        let [veil_cd_m2] = self.glare.at(&taps(direction)?);
+        Some(even_background_cd_m2(luminance_cd_m2, veil_cd_m2 + near.sum::<f64>()))
+    }
+}
+
+/// Moon and Sun where no ground hides them, as sources of glare.
+fn halos(discs: &[Disc], horizon: &Horizon) -> Vec<Halo> {
+    let is_seen = |disc: &&Disc| disc.direction.elevation_rad >= 0.0 && !horizon.hides(disc.direction);
+    let halo = |disc: &Disc| {
+        let solid_angle_sr = PI * disc.radius_rad * disc.radius_rad;
+        let mean =
+            |i: usize| disc.lit_share * disc.lit_cd_m2[i] + (1.0 - disc.lit_share) * disc.dark_cd_m2[i];
+        let illuminance_lx = std::array::from_fn(|i| solid_angle_sr * mean(i));
+        Halo::new(disc.direction, disc.radius_rad, illuminance_lx)
+    };
+    discs.iter().filter(is_seen).map(halo).collect()
 }
 
 /// A point of light.
@@ -315,6 +338,13 @@ mod tests {
         };
         assert_eq!(count(&[], &Horizon::flat()).len(), points.len());
         assert_eq!(count(&[moon], &Horizon::flat()), [bright, far]);
+        // Who counts stars finds the same background, and an even sky's own veil in none of it.
+        let sky = grey_sky(|_, _| 3e-4);
+        let behind = |discs: &[Disc], direction| {
+            Behind::of(&sky, discs, &Horizon::flat()).unwrap().background_cd_m2(direction).unwrap()
+        };
+        assert!((behind(&[], near[0].direction) / 3e-4 - 1.0).abs() < 0.02);
+        assert!(behind(&[moon], near[0].direction) > 10.0 * behind(&[moon], far.direction));
         let hill = Horizon::new(vec![31f64.to_radians(); skyglow_physics::AZIMUTH_COUNT]).unwrap();
         assert_eq!(count(&[moon], &hill).len(), points.len());
     }

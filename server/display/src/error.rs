@@ -30,6 +30,11 @@ pub enum DisplayError {
     /// Ground in light in a picture of false colours.
     #[error("ground in light has the colours of eye and camera; in false colours it stays dark")]
     LitInFalseColour,
+    /// A picture of false colours for screens that go above white.
+    #[error(
+        "false colours mean numbers and go no higher than white; a high dynamic range is for eye and camera"
+    )]
+    HighInFalseColour,
     /// A response that the sky at hand was not made for: a defect of this program, not of the request.
     #[error("the sky was not made for the response {response}")]
     NotSeen {

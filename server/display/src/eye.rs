@@ -66,6 +66,11 @@ impl Eye {
         within_display(linear, shown)
     }
 
+    /// Bytes of parts of display white.
+    pub(crate) fn bytes(&self) -> &SrgbBytes {
+        &self.bytes
+    }
+
     /// sRGB bytes of linear values.
     pub fn encoded(&self, linear: [f64; 3]) -> [u8; 3] {
         linear.map(|channel| self.bytes.of(channel))

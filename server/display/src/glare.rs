@@ -1,7 +1,7 @@
 //! Light that the eye scatters over what it looks at: the general disability glare equation (CIE 146:2002; Vos 2003), which is Stiles
 //! and Holladay's 10/θ² at middle angles.
 
-use crate::{eye::Seen, sampler::Taps};
+use crate::sampler::Taps;
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Direction, ELEVATION_COUNT,
@@ -56,44 +56,53 @@ fn between_deg(a: Direction, b: Direction) -> f64 {
 
 /// Moon or Sun that no ground hides, as a source of glare.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Halo {
+pub(crate) struct Halo<const PLANES: usize = 4> {
     direction: Direction,
     radius_deg: f64,
-    illuminance_lx: Seen,
+    illuminance_lx: [f64; PLANES],
 }
 
-impl Halo {
+impl<const PLANES: usize> Halo<PLANES> {
     /// Of a disc by the illuminance of a surface that faces it.
-    pub(crate) fn new(direction: Direction, radius_rad: f64, illuminance_lx: Seen) -> Self {
+    pub(crate) fn new(direction: Direction, radius_rad: f64, illuminance_lx: [f64; PLANES]) -> Self {
         Self { direction, radius_deg: radius_rad.to_degrees(), illuminance_lx }
     }
 
     /// What it adds near by to the veil of the samples, cd m⁻²; None further away.
-    pub(crate) fn near(&self, direction: Direction) -> Option<Seen> {
+    pub(crate) fn near(&self, direction: Direction) -> Option<[f64; PLANES]> {
         let angle_deg = between_deg(direction, self.direction).max(self.radius_deg);
         let more = veil_facing(angle_deg) - veil_facing(HALO_DEG);
         (angle_deg < HALO_DEG).then(|| self.illuminance_lx.map(|lx| more * lx))
     }
 
-    fn far(&self, direction: Direction) -> Seen {
+    fn far(&self, direction: Direction) -> [f64; PLANES] {
         let part = veil_facing(between_deg(direction, self.direction).max(HALO_DEG));
         self.illuminance_lx.map(|lx| part * lx)
     }
 }
 
-/// What an eye makes of a whole sky before it looks at a part.
-#[derive(Clone, Debug)]
-pub(crate) struct Glare {
-    /// Mean luminance of the sky, cd m⁻², which the eye adapts to.
-    pub(crate) mean_cd_m2: f64,
-    /// X, Y, Z and scotopic luminance of the veil over each sample, `[row][column]`.
-    pub(crate) veil: Vec<[f32; 4]>,
+impl Halo {
+    /// Of its luminance alone.
+    pub(crate) fn photopic(&self) -> Halo<1> {
+        let Self { direction, radius_deg, illuminance_lx } = *self;
+        Halo { direction, radius_deg, illuminance_lx: [illuminance_lx[1]] }
+    }
 }
 
-impl Glare {
-    /// Of a sky by its planes X, Y, Z and scotopic, `[row][column]`.
-    pub(crate) fn new(planes: [&[f32]; 4], halos: &[Halo]) -> Self {
-        let mut flux = vec![[0.0; 4]; UP * ACROSS];
+/// What an eye makes of a whole sky before it looks at a part.
+#[derive(Clone, Debug)]
+pub(crate) struct Glare<const PLANES: usize = 4> {
+    /// Mean luminance of the sky, cd m⁻², which the eye adapts to.
+    pub(crate) mean_cd_m2: f64,
+    /// Luminance of the veil over each sample by plane, `[row][column]`.
+    pub(crate) veil: Vec<[f32; PLANES]>,
+}
+
+impl<const PLANES: usize> Glare<PLANES> {
+    /// Of a sky by its planes, X, Y, Z and scotopic or photopic alone, `[row][column]`.
+    pub(crate) fn new(planes: [&[f32]; PLANES], halos: &[Halo<PLANES>]) -> Self {
+        let mut flux = vec![[0.0; PLANES]; UP * ACROSS];
+        let photopic = planes[PLANES.min(2) - 1];
         let mut sum = 0.0;
         for row in 0..ELEVATION_COUNT {
             let solid_angle_sr = solid_angle_sr(row);
@@ -102,7 +111,7 @@ impl Glare {
                 for (cell, plane) in cell.iter_mut().zip(planes) {
                     *cell += solid_angle_sr * f64::from(plane[row * AZIMUTH_COUNT + column]);
                 }
-                sum += solid_angle_sr * f64::from(planes[1][row * AZIMUTH_COUNT + column]);
+                sum += solid_angle_sr * f64::from(photopic[row * AZIMUTH_COUNT + column]);
             }
         }
         let cells = veil_of_cells(&flux);
@@ -120,7 +129,7 @@ impl Glare {
     }
 
     /// The veil between samples.
-    pub(crate) fn at(&self, taps: &Taps) -> Seen {
+    pub(crate) fn at(&self, taps: &Taps) -> [f64; PLANES] {
         std::array::from_fn(|i| {
             (0..4).map(|tap| taps.weight[tap] * f64::from(self.veil[taps.offset[tap]][i])).sum()
         })
@@ -141,9 +150,9 @@ static KERNELS: LazyLock<Vec<[[f64; ACROSS]; UP]>> = LazyLock::new(|| {
 });
 
 /// The veil over the middle of every cell.
-fn veil_of_cells(flux: &[Seen]) -> Vec<Seen> {
+fn veil_of_cells<const PLANES: usize>(flux: &[[f64; PLANES]]) -> Vec<[f64; PLANES]> {
     let row_of = |kernels: &[[f64; ACROSS]; UP]| {
-        let mut veil = vec![[0.0; 4]; ACROSS];
+        let mut veil = vec![[0.0; PLANES]; ACROSS];
         for (sources, kernel) in flux.chunks_exact(ACROSS).zip(kernels) {
             for (column, veil) in veil.iter_mut().enumerate() {
                 for (turn, part) in kernel.iter().enumerate() {
@@ -158,7 +167,7 @@ fn veil_of_cells(flux: &[Seen]) -> Vec<Seen> {
 }
 
 /// Between the middles of the cells, by bilinear interpolation; the highest and the lowest hold beyond.
-fn between(cells: &[Seen], row: usize, column: usize) -> Seen {
+fn between<const PLANES: usize>(cells: &[[f64; PLANES]], row: usize, column: usize) -> [f64; PLANES] {
     let place = |at: usize| (at as f64 + 0.5) / CELL_SAMPLES as f64 - 0.5;
     let across = place(column) + ACROSS as f64;
     let up = place(row).clamp(0.0, (UP - 1) as f64);

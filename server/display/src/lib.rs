@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! SeenSky  -> Sampler -> picture() -> RgbImage    -> encode_png, encode_webp     (for eyes)
+//!                     -> hdr_picture_with() -> HdrImage -> encode_hdr_png          (for eyes before a screen that goes above white)
 //!                     -> raster()  -> FloatRaster -> encode_exr, encode_tiff     (for programs)
 //!         -> LogPlane::of_sky()                   -> encode_sky                  (for programs that draw)
 //! ```
@@ -22,6 +23,8 @@ pub mod false_colour;
 mod fixtures;
 pub mod glare;
 pub mod ground;
+pub mod hdr;
+mod ink;
 pub mod legend;
 mod lit;
 pub mod notes;
@@ -36,13 +39,16 @@ pub mod sampler;
 mod text;
 pub mod tile;
 
-pub use bodies::{Disc, PointLight, SkyBodies};
+pub use bodies::{Behind, Disc, PointLight, SkyBodies};
 pub use colormap::Colormap;
-pub use encode::{LogPlane, PointTable, encode_exr, encode_png, encode_sky, encode_tiff, encode_webp};
+pub use encode::{
+    LogPlane, PointTable, encode_exr, encode_hdr_png, encode_png, encode_sky, encode_tiff, encode_webp,
+};
 pub use error::DisplayError;
 pub use false_colour::{ColourRange, Scale};
+pub use hdr::{HdrImage, hdr_picture_with};
 pub use notes::Notes;
-pub use options::{GroundStyle, PictureOptions, Projection, Sky, Style};
+pub use options::{DynamicRange, GroundStyle, PictureOptions, Projection, Sky, Style};
 pub use picture::{picture, picture_with};
 pub use raster::{FloatRaster, raster};
 pub use sampler::Sampler;

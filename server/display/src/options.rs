@@ -130,6 +130,16 @@ impl Default for Style {
     }
 }
 
+/// How bright a picture's lights may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum DynamicRange {
+    /// No brighter than white, for every screen.
+    #[default]
+    Standard,
+    /// Above white, for screens that can: [`crate::hdr_picture_with`].
+    High,
+}
+
 /// What ground below the horizon looks like.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum GroundStyle {
@@ -171,6 +181,8 @@ pub struct PictureOptions {
     pub sky: Sky,
     /// What the ground looks like.
     pub ground: GroundStyle,
+    /// How bright lights may be; of the styles of eye and camera alone.
+    pub dynamic_range: DynamicRange,
     /// Whether the light is made up: the legend then says so.
     pub illustrative: bool,
 }
@@ -187,6 +199,7 @@ impl PictureOptions {
             legend: true,
             sky: Sky::default(),
             ground: GroundStyle::default(),
+            dynamic_range: DynamicRange::default(),
             illustrative: false,
         }
     }
@@ -201,6 +214,9 @@ impl PictureOptions {
         match self.style {
             Style::FalseColour { .. } if self.ground != GroundStyle::Dark => {
                 Err(DisplayError::LitInFalseColour)
+            }
+            Style::FalseColour { .. } if self.dynamic_range == DynamicRange::High => {
+                Err(DisplayError::HighInFalseColour)
             }
             Style::FalseColour { range, .. } => range.check(),
             Style::Realistic { exposure_ev } => check_exposure(exposure_ev),

@@ -7,6 +7,7 @@ use crate::{
     eye::{Eye, Seen, dazzle},
     glare::{Glare, Halo},
     ground::{DARK_TERRAIN_RGB, TERRAIN_RGB},
+    ink::Ink,
     legend::Beyond,
     options::{PictureOptions, Style},
     realistic::ToneMap,
@@ -82,19 +83,19 @@ impl<'a> Painter<'a> {
 
     /// The colour of a direction, in colours of light with that of a body before it; notes in `beyond` what false colours cannot tell
     /// apart from their ends.
-    pub(crate) fn rgb(
+    pub(crate) fn ink<I: Ink>(
         &self,
         direction: Direction,
         body: Option<&Seen>,
         beyond: &mut Beyond,
-    ) -> Option<[u8; 3]> {
+    ) -> Option<I> {
         match self {
             Painter::FalseColour { luminance_cd_m2, table, bins, ends_cd_m2 } => {
                 let taps = taps(direction)?;
                 let luminance: f64 =
                     (0..4).map(|tap| taps.weight[tap] * luminance_cd_m2[taps.offset[tap]]).sum();
                 beyond.note(luminance, *ends_cd_m2);
-                Some(table[bins.entry(luminance)])
+                Some(I::of_bytes(table[bins.entry(luminance)]))
             }
             Painter::Eye { sampler, glare, halos, linear, eye } => {
                 let taps = taps(direction)?;
@@ -105,25 +106,27 @@ impl<'a> Painter<'a> {
                     let body = body.copied().unwrap_or_default();
                     let dazzled = dazzle(light[1] + veil[1], veil[1]);
                     light.iter_mut().enumerate().for_each(|(i, light)| *light += veil[i] + body[i]);
-                    return Some(eye.encoded(eye.linear(light, dazzled)));
+                    return Some(I::of(eye.linear(light, dazzled), share(&body, &light), eye.bytes()));
                 }
                 let [a, b, c, d] = taps.offset.map(|at| linear[at]);
                 let [of_a, of_b, of_c, of_d] = taps.weight.map(|weight| weight as f32);
                 let channel = |i: usize| of_a * a[i] + of_b * b[i] + of_c * c[i] + of_d * d[i];
-                Some(eye.encoded(std::array::from_fn(|i| f64::from(channel(i)))))
+                Some(I::of(std::array::from_fn(|i| f64::from(channel(i))), 0.0, eye.bytes()))
             }
             Painter::Realistic { sampler, tone_map } => {
-                let mut xyz_cd_m2 = sampler.values(direction)?;
-                if let Some(body) = body {
-                    xyz_cd_m2.iter_mut().zip(body).for_each(|(sum, body)| *sum += body);
-                }
-                Some(tone_map.rgb(xyz_cd_m2))
+                let [x, y, z] = sampler.values(direction)?;
+                let body = body.copied().unwrap_or_default();
+                let light = [x + body[0], y + body[1], z + body[2], 0.0];
+                let linear = tone_map.linear([light[0], light[1], light[2]]);
+                Some(I::of(linear, share(&body, &light), tone_map.bytes()))
             }
         }
     }
 
-    /// The colour of light from the ground in a direction, behind the veil of the sky above it; None in false colours.
-    pub(crate) fn ground_rgb(&self, direction: Direction, mut light: Seen) -> Option<[u8; 3]> {
+    /// The colour of light from the ground in a direction, with that of lamps on it, behind the veil of the sky above it; None in false
+    /// colours.
+    pub(crate) fn ground_ink<I: Ink>(&self, direction: Direction, ground: &Seen, lamps: &Seen) -> Option<I> {
+        let mut light: Seen = std::array::from_fn(|i| ground[i] + lamps[i]);
         match self {
             Painter::FalseColour { .. } => None,
             Painter::Eye { glare, halos, eye, .. } => {
@@ -133,9 +136,13 @@ impl<'a> Painter<'a> {
                     veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more);
                 }
                 light.iter_mut().zip(veil).for_each(|(light, veil)| *light += veil);
-                Some(eye.encoded(eye.linear(light, dazzle(light[1], veil[1]))))
+                let linear = eye.linear(light, dazzle(light[1], veil[1]));
+                Some(I::of(linear, share(lamps, &light), eye.bytes()))
             }
-            Painter::Realistic { tone_map, .. } => Some(tone_map.rgb([light[0], light[1], light[2]])),
+            Painter::Realistic { tone_map, .. } => {
+                let linear = tone_map.linear([light[0], light[1], light[2]]);
+                Some(I::of(linear, share(lamps, &light), tone_map.bytes()))
+            }
         }
     }
 
@@ -153,4 +160,9 @@ impl<'a> Painter<'a> {
     pub(crate) fn terrain_rgb(&self) -> [u8; 3] {
         if matches!(self, Painter::Eye { .. }) { DARK_TERRAIN_RGB } else { TERRAIN_RGB }
     }
+}
+
+/// How much of all light is that of lights, 0..=1, by luminance.
+fn share(lights: &Seen, all: &Seen) -> f64 {
+    if all[1] > 0.0 { (lights[1] / all[1]).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -6,6 +6,7 @@ use crate::{
     error::DisplayError,
     eye::Seen,
     ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
+    ink::Ink,
     legend::{self, Beyond},
     lit::LitPicture,
     options::{PictureOptions, Projection},
@@ -47,14 +48,42 @@ pub fn picture_with(
     horizon: &Horizon,
     options: &PictureOptions,
 ) -> Result<RgbImage, DisplayError> {
+    let (width_px, height_px) = canvas_size_px(options);
+    let mut canvas = RgbImage::from_pixel(width_px, height_px, Rgb(GROUND_RGB));
+    let given = Given { bodies, ground_light, seen, response, horizon, options };
+    let (pixels, _) = canvas.as_flat_samples_mut().samples.as_chunks_mut::<3>();
+    let drawn = draw_sky(&given, pixels)?;
+    decorate(&mut canvas, drawn, &given)?;
+    Ok(canvas)
+}
+
+/// What a picture is made of.
+pub(crate) struct Given<'a> {
+    pub(crate) bodies: &'a SkyBodies,
+    pub(crate) ground_light: Option<&'a LitGround>,
+    pub(crate) seen: &'a SeenSky,
+    pub(crate) response: &'a Response,
+    pub(crate) horizon: &'a Horizon,
+    pub(crate) options: &'a PictureOptions,
+}
+
+/// What is known of a sky that was drawn.
+pub(crate) struct Drawn<'a> {
+    ground: GroundMap<'a>,
+    beyond: Beyond,
+    view: View,
+    has_skyline: bool,
+}
+
+/// Draws sky and ground into the pixels of a canvas, row by row.
+pub(crate) fn draw_sky<'a, I: Ink>(given: &Given<'a>, canvas: &mut [I]) -> Result<Drawn<'a>, DisplayError> {
+    let Given { bodies, ground_light, seen, response, horizon, options } = *given;
     options.check()?;
     let seen = without_ground(seen, horizon);
     let painter = Painter::new(&seen, response, options, bodies.halos(horizon))?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
-    let (canvas_width_px, canvas_height_px) = canvas_size_px(options);
-    let offset_px = (canvas_width_px - options.width_px) / 2;
-    let mut canvas = RgbImage::from_pixel(canvas_width_px, canvas_height_px, Rgb(GROUND_RGB));
+    let offset_px = offset_px(options);
     let mut beyond = Beyond::default();
     let columns = match options.projection {
         Projection::Equirectangular => Columns::new(&view, options.width_px),
@@ -72,10 +101,8 @@ pub fn picture_with(
             let direction = view.direction_at(0.5, f64::from(y) + 0.5);
             let elevation_rad = direction.map_or(0.0, |direction| direction.elevation_rad);
             let Some(row) = Row::new(luminance_cd_m2, elevation_rad) else { continue };
-            let first = 3 * (y as usize * canvas_width_px as usize + offset_px as usize);
-            let (pixels, _) = canvas.as_flat_samples_mut().samples
-                [first..first + 3 * options.width_px as usize]
-                .as_chunks_mut::<3>();
+            let first = y as usize * canvas_size_px(options).0 as usize + offset_px as usize;
+            let pixels = &mut canvas[first..first + options.width_px as usize];
             let shown = ground.next_row(elevation_rad);
             let hides = |x: usize| shown.is_some_and(|shown| shown[x] == Shown::Ground);
             let entries = row.0.map(|luminance_cd_m2| bins.entry(luminance_cd_m2));
@@ -83,18 +110,18 @@ pub fn picture_with(
                 let (left, right) = (entries[run.left], entries[run.right]);
                 // Between two samples of one colour lies no other; the first and the last may hide what is beyond them.
                 if left == right && (1..TABLE_LEN - 1).contains(&left) {
-                    pixels[run.columns.clone()].fill(table[left]);
+                    pixels[run.columns.clone()].fill(I::of_bytes(table[left]));
                     continue;
                 }
                 for x in run.columns.clone().filter(|&x| !hides(x)) {
                     let luminance_cd_m2 = row.at(columns, x);
                     beyond.note(luminance_cd_m2, *ends_cd_m2);
-                    pixels[x] = table[bins.entry(luminance_cd_m2)];
+                    pixels[x] = I::of_bytes(table[bins.entry(luminance_cd_m2)]);
                 }
             }
             if let Some(shown) = shown {
                 let hidden = pixels.iter_mut().zip(shown).filter(|(_, shown)| **shown == Shown::Ground);
-                hidden.for_each(|(pixel, _)| *pixel = TERRAIN_RGB);
+                hidden.for_each(|(pixel, _)| *pixel = I::of_bytes(TERRAIN_RGB));
             }
         }
     } else {
@@ -103,16 +130,33 @@ pub fn picture_with(
         let bodies = BodyRows::new(&bodies.discs, &points, &view, size_px, horizon);
         let lit = ground_light.map(|light| LitPicture::new(light, &view, size_px));
         let before = Before { bodies: &bodies, lit: lit.as_ref() };
-        paint_each(&mut canvas, (offset_px, options), &view, &painter, &before, &mut ground, &mut beyond);
+        paint_each(canvas, options, &view, &painter, &before, &mut ground, &mut beyond);
     }
-    if painter.has_skyline() && ground_light.is_none() {
-        ground.draw_skyline(&mut canvas, offset_px);
+    let has_skyline = painter.has_skyline() && ground_light.is_none();
+    Ok(Drawn { ground, beyond, view, has_skyline })
+}
+
+/// Draws the skyline, the compass letters and the legend where they are wanted.
+pub(crate) fn decorate(
+    canvas: &mut RgbImage,
+    drawn: Drawn<'_>,
+    given: &Given<'_>,
+) -> Result<(), DisplayError> {
+    let options = given.options;
+    let offset_px = offset_px(options);
+    if drawn.has_skyline {
+        drawn.ground.draw_skyline(canvas, offset_px);
     }
     if options.legend {
-        legend::draw_compass(&mut canvas, options, &view, offset_px)?;
-        legend::draw_strip(&mut canvas, options, response, beyond)?;
+        legend::draw_compass(canvas, options, &drawn.view, offset_px)?;
+        legend::draw_strip(canvas, options, given.response, drawn.beyond)?;
     }
-    Ok(canvas)
+    Ok(())
+}
+
+/// How far from the canvas's left edge the sky begins, pixels.
+fn offset_px(options: &PictureOptions) -> u32 {
+    (canvas_size_px(options).0 - options.width_px) / 2
 }
 
 /// What stands before the sky.
@@ -122,44 +166,41 @@ struct Before<'a> {
 }
 
 /// Every pixel by its own direction, rows in parallel.
-fn paint_each(
-    canvas: &mut RgbImage,
-    (offset_px, options): (u32, &PictureOptions),
+fn paint_each<I: Ink>(
+    canvas: &mut [I],
+    options: &PictureOptions,
     view: &View,
     painter: &Painter<'_>,
     before: &Before<'_>,
     ground: &mut GroundMap<'_>,
     beyond: &mut Beyond,
 ) {
-    let row_bytes = 3 * canvas.width() as usize;
+    let offset_px = offset_px(options) as usize;
     let known = &*ground;
-    let paint_row = |(y, row): (usize, &mut [u8])| {
+    let paint_row = |(y, row): (usize, &mut [I])| {
         let (mut all_shown, mut beyond) = (Vec::new(), Beyond::default());
-        let (pixels, _) = row[3 * offset_px as usize..].as_chunks_mut::<3>();
         let mut bodies = before.bodies.row(y).iter().peekable();
-        for (x, pixel) in (0..options.width_px).zip(pixels) {
+        for (x, pixel) in (0..options.width_px).zip(&mut row[offset_px..]) {
             let direction = view.direction_at(f64::from(x) + 0.5, y as f64 + 0.5);
             let shown = known.shown(direction);
             all_shown.extend(shown);
             let body = bodies.next_if(|(column, _)| *column == x).map(|(_, light)| light);
             if let Some(lit) = before.lit {
-                let rgb = direction.and_then(|of| lit_rgb(lit, painter, of, (x, y), body, &mut beyond));
-                *pixel = rgb.unwrap_or(*pixel);
+                let ink = direction.and_then(|of| lit_ink(lit, painter, of, (x, y), body, &mut beyond));
+                *pixel = ink.unwrap_or(*pixel);
                 continue;
             }
             if shown == Some(Shown::Ground) {
-                *pixel = painter.terrain_rgb();
+                *pixel = I::of_bytes(painter.terrain_rgb());
                 continue;
             }
-            let rgb = direction.and_then(|direction| painter.rgb(direction, body, &mut beyond));
-            *pixel = rgb.unwrap_or(*pixel);
+            let ink = direction.and_then(|direction| painter.ink(direction, body, &mut beyond));
+            *pixel = ink.unwrap_or(*pixel);
         }
         (all_shown, beyond)
     };
     let rows: Vec<(Vec<Shown>, Beyond)> = canvas
-        .as_flat_samples_mut()
-        .samples
-        .par_chunks_exact_mut(row_bytes)
+        .par_chunks_exact_mut(canvas_size_px(options).0 as usize)
         .take(options.height_px as usize)
         .enumerate()
         .map(paint_row)
@@ -172,25 +213,22 @@ fn paint_each(
 }
 
 /// A pixel of a picture with ground in light, which reaches up to the sky: between it and the horizontal plane the sky goes on.
-fn lit_rgb(
+fn lit_ink<I: Ink>(
     lit: &LitPicture<'_>,
     painter: &Painter<'_>,
     direction: Direction,
     (x, y): (u32, usize),
     body: Option<&Seen>,
     beyond: &mut Beyond,
-) -> Option<[u8; 3]> {
-    let lamps = lit.lamps(x, y);
-    let with_lamps = |light: &Seen| match lamps {
-        Some(lamps) => std::array::from_fn(|i| light[i] + lamps[i]),
-        None => *light,
-    };
+) -> Option<I> {
+    let lamps = lit.lamps(x, y).unwrap_or_default();
     if let Some(ground) = lit.ground(direction) {
-        return painter.ground_rgb(direction, with_lamps(&ground));
+        return painter.ground_ink(direction, &ground, &lamps);
     }
     let above = Direction { elevation_rad: direction.elevation_rad.max(0.0), ..direction };
-    let before = with_lamps(body.unwrap_or(&[0.0; 4]));
-    painter.rgb(above, (before != [0.0; 4]).then_some(&before), beyond)
+    let body = body.copied().unwrap_or_default();
+    let before: Seen = std::array::from_fn(|i| body[i] + lamps[i]);
+    painter.ink(above, (before != [0.0; 4]).then_some(&before), beyond)
 }
 
 /// Width and height of the whole picture, legend included, pixels.
@@ -272,8 +310,8 @@ mod tests {
             let view = View::new(options.projection, 640, 150);
             let mut slow = RgbImage::from_pixel(640, 150, Rgb(GROUND_RGB));
             paint_each(
-                &mut slow,
-                (0, &options),
+                slow.as_flat_samples_mut().samples.as_chunks_mut::<3>().0,
+                &options,
                 &view,
                 &painter,
                 &Before { bodies: &BodyRows::default(), lit: None },

@@ -71,6 +71,16 @@ impl ToneMap {
     /// So bright light turns white and keeps its hue on the way, where channels that saturate apart turn orange
     /// yellow.
     pub fn rgb(&self, xyz_cd_m2: [f64; 3]) -> [u8; 3] {
+        self.linear(xyz_cd_m2).map(|channel| self.bytes.of(channel))
+    }
+
+    /// Bytes of parts of display white.
+    pub(crate) fn bytes(&self) -> &SrgbBytes {
+        &self.bytes
+    }
+
+    /// The same before it becomes bytes: linear sRGB, 0..=1.
+    pub(crate) fn linear(&self, xyz_cd_m2: [f64; 3]) -> [f64; 3] {
         let linear: [f64; 3] = std::array::from_fn(|channel| {
             let row = &SRGB_FROM_XYZ[channel];
             row.iter().zip(xyz_cd_m2).map(|(m, v)| m * v).sum::<f64>() / self.reference_luminance_cd_m2
@@ -81,20 +91,19 @@ impl ToneMap {
         let inside = linear.map(|channel| (grey + saturation * (channel - grey)).max(0.0));
         let brightest = inside.iter().copied().fold(0.0, f64::max);
         if brightest == 0.0 {
-            return [0; 3];
+            return [0.0; 3];
         }
         let shown = 1.0 - (-brightest).exp();
         let whiteness = shown.powi(4);
         inside.map(|channel| {
             let ratio = channel / brightest;
-            let value = shown * (ratio + (1.0 - ratio) * whiteness);
-            self.bytes.of(value)
+            shown * (ratio + (1.0 - ratio) * whiteness)
         })
     }
 }
 
 /// The sRGB transfer curve inverted: encoded 0..=1 to linear.
-fn decode_srgb(encoded: f64) -> f64 {
+pub(crate) fn decode_srgb(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 

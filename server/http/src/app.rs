@@ -11,9 +11,9 @@ use crate::{
         respond_async, share_across_origins, tag_encodings,
     },
     routes::{
-        atmospheres, darker, docs, edr, health, horizon, influence, jobs, layers, night, ogc, panorama,
-        plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, tilejson, tiles,
-        uploads, viewer,
+        atmospheres, basemap, darker, docs, edr, health, horizon, influence, jobs, layers, link, night, ogc,
+        panorama, plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, tilejson,
+        tiles, uploads, viewer,
     },
     shared_counts::{Counted, add_up},
     state::AppState,
@@ -80,6 +80,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(scenarios::list_scenarios, scenarios::post_scenario))
         .routes(routes!(scenarios::get_scenario, scenarios::delete_scenario))
         .routes(routes!(tilejson::get_tilejson))
+        .routes(routes!(basemap::get_basemap))
+        .routes(routes!(basemap::get_basemap_tile))
         .routes(routes!(layers::get_radiance_tif))
         .routes(routes!(layers::get_elevation_tif))
         .routes(routes!(layers::get_brightness_tif))
@@ -195,6 +197,7 @@ pub fn router_beside(
         .route("/", get(viewer::get_viewer))
         .route("/index.html", get(viewer::get_viewer))
         .route("/embed", get(viewer::get_embed))
+        .route("/at", get(link::get_link))
         .route("/manifest.webmanifest", get(viewer::get_viewer))
         .route("/offline.js", get(viewer::get_viewer))
         .route("/icon.png", get(viewer::get_viewer))

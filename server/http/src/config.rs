@@ -2,7 +2,7 @@
 
 use ipnet::IpNet;
 use serde::{Deserialize, Serialize};
-use std::{net::IpAddr, time::Duration};
+use std::{net::IpAddr, path::PathBuf, time::Duration};
 
 /// How much of a client's address the log has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,6 +82,8 @@ pub struct HttpConfig {
     /// Where clients reach the server, such as `https://sky.example.org/skyglow`, for the links inside answers;
     /// without it trusted proxies and the request's Host header say so.
     pub public_url: Option<String>,
+    /// A PMTiles file of vector tiles with the layers of Protomaps, which the viewer's map shows below the lights.
+    pub basemap: Option<PathBuf>,
     /// Origins of other sites whose pages may have scenarios and plans kept, such as `https://maps.example.org`; `*` for all. Those
     /// of all sites may read.
     pub cors_origins: Vec<String>,
@@ -112,6 +114,7 @@ impl Default for HttpConfig {
             trusted_proxies: Vec::new(),
             log_client_address: LoggedAddress::Off,
             public_url: None,
+            basemap: None,
             cors_origins: Vec::new(),
         }
     }

@@ -7,6 +7,7 @@
 pub mod access;
 pub mod app;
 mod asker;
+pub mod basemap;
 mod budget;
 pub mod config;
 mod document;
@@ -37,6 +38,7 @@ mod work_places;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_beside, router_with_access};
+pub use basemap::{Basemap, BasemapError};
 pub use config::{HttpConfig, LoggedAddress};
 pub use kept_store::{KeptStore, KeptStoreError};
 pub use memory::{MemoryShares, TooLittleMemory};

@@ -3,6 +3,7 @@
 use crate::{
     access::Access,
     asker::{self, Asker},
+    basemap::{Basemap, BasemapError},
     budget::Budget,
     config::HttpConfig,
     error::ApiError,
@@ -71,6 +72,8 @@ pub struct SharedState {
     brightnesses: Cache<String, Arc<BrightnessMap>>,
     /// How far those are that are being found.
     brightness_progress: Progress,
+    /// The operator's basemap; None without one, or where it cannot be read.
+    pub(crate) basemap: Option<Arc<Basemap>>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -157,6 +160,11 @@ impl AppState {
         // Those of the first kind are counted where they were made.
         let sending = [u64::MAX, config.memory_budget() / SHARE_OF_SENDING]
             .map(|bytes| Budget::new(bytes, share, metrics.sending_bytes.clone()));
+        let basemap = config.basemap.as_ref().and_then(|path| {
+            let opened = Basemap::open(path);
+            let told = |reason: &BasemapError| tracing::error!(%reason, path = %path.display(), "no basemap");
+            opened.inspect_err(told).ok().map(Arc::new)
+        });
         let work = Arc::new(WorkPlaces::new(source.clone(), metrics.clone(), &config));
         Self(Arc::new(SharedState {
             source,
@@ -173,6 +181,7 @@ impl AppState {
             influences,
             brightnesses,
             brightness_progress: Progress::default(),
+            basemap,
             openapi: Arc::default(),
         }))
     }

@@ -106,6 +106,8 @@ function api(path, query, response) {
   };
   if (path === "night") return json(nightOf(query.get("date"), Number(query.get("lat")), Number(query.get("lon"))));
   if (path === "scenes") return json([scene]);
+  if (path === "basemap")
+    return json({ tilejson: "3.0.0", tiles: [], attribution: "", minzoom: 0, maxzoom: 0, bounds: [0, 0, 0, 0], layers: [] });
   if (path === "atmospheres")
     return json(
       ["single", "multiple"].flatMap((scattering) => [1.5, 6].map((turbidity) => ({ scattering, turbidity, cloud_base_m: null }))),

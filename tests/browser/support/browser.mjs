@@ -48,6 +48,8 @@ export async function launch() {
 export async function openPage(browser, fragment = "", device = DESKTOP) {
   const context = await browser.newContext({ ...device, serviceWorkers: "block" });
   const page = await context.newPage();
+  // A busy machine may be given more time.
+  page.setDefaultTimeout(Number(process.env.SKYGLOW_WAIT_MS ?? 30_000));
   const faults = [];
   const asked = [];
   page.on("console", (message) => {

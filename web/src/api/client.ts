@@ -204,6 +204,14 @@ export const api = {
   },
   darker: (scene: string, query: DarkerQuery, signal: AbortSignal) =>
     get("/api/v1/scenes/{scene}/darker", { scene }, query, signal),
+  /** The operator's basemap; without tiles where there is none. */
+  basemap: (signal: AbortSignal) => get("/api/v1/basemap", {}, {}, signal),
+  /** The lights that do most to a sky. */
+  influences: (scene: string, query: InfluenceQuery, limit: number, signal: AbortSignal) =>
+    get("/api/v1/scenes/{scene}/influence.json", { scene }, { ...query, limit }, signal),
+  /** How long the nights of a month are dark. */
+  nights: ({ lat, lon }: Pick<SkyParameters, "lat" | "lon">, month: string, signal: AbortSignal) =>
+    get("/api/v1/nights", {}, { lat, lon, month }, signal),
   /** A picture at an address of the API. */
   picture: async (url: string, signal: AbortSignal): Promise<Blob> => (await answered(url, { signal })).blob(),
   /** Finds what to dim. */

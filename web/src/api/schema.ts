@@ -395,6 +395,40 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/basemap": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The operator's basemap as TileJSON; without tiles where there is none. */
+        get: operations["get_basemap"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/basemap/{z}/{x}/{y}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** A vector tile of the basemap, as its file has it. */
+        get: operations["get_basemap_tile"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs/{job}": {
         parameters: {
             query?: never;
@@ -863,7 +897,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** The sky as PNG, with its legend. */
+        /** The sky as PNG, with its legend; with `dynamic_range=hdr` for screens that go above white. */
         get: operations["get_panorama_png"];
         put?: never;
         post?: never;
@@ -1406,6 +1440,29 @@ export interface components {
              * @description Its turbidity.
              */
             turbidity: number;
+        };
+        /** @description What basemap there is, as a TileJSON of vector tiles. */
+        BasemapAnswer: {
+            /** @description Whose data it is. */
+            attribution: string;
+            /** @description West, south, east, north, degrees. */
+            bounds: number[];
+            /** @description Names of the layers. */
+            layers: string[];
+            /**
+             * Format: int32
+             * @description Greatest zoom with tiles.
+             */
+            maxzoom: number;
+            /**
+             * Format: int32
+             * @description Least zoom with tiles.
+             */
+            minzoom: number;
+            /** @description Version of the specification. */
+            tilejson: string;
+            /** @description Addresses of tiles; none where the operator has no basemap. */
+            tiles: string[];
         };
         /** @description Sun, Moon and planets over a site at an instant. */
         BodiesAnswer: {
@@ -2402,12 +2459,12 @@ export interface components {
             /** @description Components that count: by day the Sun alone, and no Moon while it is more than 12° down. */
             components: components["schemas"]["ComponentAnswer"][];
             /**
-             * @description Faintest stars at the zenith and at eight azimuths in three elevations: Crumey 2014, F = 2, with all light there, less what
-             *     the air takes more than at the zenith.
+             * @description Faintest stars at the zenith and at eight azimuths in three elevations: Crumey 2014, F = 2, with all light there and the
+             *     veil over it, less what the air takes more than at the zenith.
              */
             limits: components["schemas"]["DirectionLimitAnswer"][];
             milky_way?: components["schemas"]["MilkyWayContrast"] | null;
-            /** @description Stars that the naked eye sees, each against the sky of its own direction. */
+            /** @description Stars that the naked eye sees, each against the sky of its own direction behind the veil that the eye makes of Moon, Sun and sky. */
             stars: components["schemas"]["VisibleStars"];
         };
         /** @description Where the observer is. */
@@ -3618,6 +3675,7 @@ export type AreaShare = components['schemas']['AreaShare'];
 export type AreaSharesAnswer = components['schemas']['AreaSharesAnswer'];
 export type Assumptions = components['schemas']['Assumptions'];
 export type AtmosphereAnswer = components['schemas']['AtmosphereAnswer'];
+export type BasemapAnswer = components['schemas']['BasemapAnswer'];
 export type BodiesAnswer = components['schemas']['BodiesAnswer'];
 export type BodyPlace = components['schemas']['BodyPlace'];
 export type BrushBody = components['schemas']['BrushBody'];
@@ -5327,6 +5385,103 @@ export interface operations {
                 content: {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_basemap: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The basemap */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BasemapAnswer"];
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_basemap_tile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Zoom */
+                z: number;
+                /** @description Column */
+                x: number;
+                /** @description Row */
+                y: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The tile */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/vnd.mapbox-vector-tile": number[];
+                };
+            };
+            /** @description Nothing is there */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description A token or key that nobody has */
             401: {
@@ -8827,6 +8982,8 @@ export interface operations {
                 adaptation?: number;
                 /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. Default: dark. */
                 ground?: "dark" | "lit" | "snow";
+                /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. Default: standard. */
+                dynamic_range?: "standard" | "hdr";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */
@@ -9330,6 +9487,8 @@ export interface operations {
                 adaptation?: number;
                 /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. */
                 ground?: "dark" | "lit" | "snow";
+                /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. */
+                dynamic_range?: "standard" | "hdr";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */

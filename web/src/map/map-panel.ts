@@ -99,6 +99,7 @@ export class MapPanel {
       const features = (areas?.body as { features?: readonly unknown[] } | undefined)?.features ?? NOTHING;
       void map.showAreas(areaShares === null ? null : { features, shares: areaShares.areas });
     });
+    store.watch(["influences"], ({ influences }) => map.showLights(influences));
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
     store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
     store.watch([planOf, "lights"], (state) => {

@@ -2,8 +2,9 @@
 
 import type { GeoJSON } from "geojson";
 import { type ErrorEvent, type GeoJSONSource, LngLatBounds, type Map as MapLibreMap, Marker } from "maplibre-gl";
+import { api } from "../api/client.ts";
 import { ApiError, noAnswer } from "../api/problem.ts";
-import type { EditBody } from "../api/schema.ts";
+import type { BasemapAnswer, EditBody } from "../api/schema.ts";
 import type { Bounds, DarkerPlace, DimmedPixel, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
 import type { PaintedArea } from "../lights/painting.ts";
@@ -11,11 +12,13 @@ import type { LayerName, MapView, Place } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
 import { AreasLayer, type SharedAreas } from "./areas-layer.ts";
 import { loadBasemap } from "./basemap.ts";
+import { type Light, LightTip } from "./light-tip.ts";
 import { IS_STILL } from "./motion.ts";
 import { collapseCredits, mainMap } from "./night-map.ts";
 import { type Brush, Painter } from "./painter.ts";
 import { type LayerRequest, type LayerState, RasterLayers } from "./raster-layers.ts";
 import { Swipe } from "./swipe.ts";
+import { addBasemap } from "./vector-basemap.ts";
 
 export interface SkyMapEvents {
   picked: (place: Place) => void;
@@ -52,6 +55,7 @@ export class SkyMap {
   private readonly layers: RasterLayers;
   private readonly painter: Painter;
   private readonly areas: AreasLayer;
+  private readonly lights: LightTip;
   private readonly failedSources = new Set<string>();
   private readonly town: Marker;
   private darker: Marker[] = [];
@@ -61,6 +65,7 @@ export class SkyMap {
   /** Outlines and names, by the source that shows them. */
   private readonly shared = new Map<string, GeoJSON>();
   private swipe: Swipe | null = null;
+  private basemap: BasemapAnswer | null = null;
   private cannotCompare = false;
 
   constructor(
@@ -78,6 +83,7 @@ export class SkyMap {
 
     this.painter = new Painter(this.map, events.painted);
     this.areas = new AreasLayer(this.map, this.styled);
+    this.lights = new LightTip(this.map);
     container.append(make("div", "crosshair"));
     const pin = document.createElement("div");
     pin.className = "pin";
@@ -113,6 +119,8 @@ export class SkyMap {
     this.showBasemap("coarse")
       .then(() => this.showBasemap("fine"))
       .then(events.drawn)
+      // Without it the map is whole.
+      .then(() => this.showOperatorsBasemap().catch(() => undefined))
       .catch(events.failed);
   }
 
@@ -126,6 +134,15 @@ export class SkyMap {
     await this.styled;
     for (const name of ["land", "coasts", "borders", "names", "graticule"] as const) this.share(name, basemap[name]);
     this.map.getContainer().dataset.basemap = detail;
+  }
+
+  /** Roads, lakes and parks come after all else, and only where the operator has them. */
+  private async showOperatorsBasemap(): Promise<void> {
+    const basemap = await api.basemap(new AbortController().signal);
+    if (basemap.tiles.length === 0) return;
+    this.basemap = basemap;
+    addBasemap(this.map, basemap);
+    void this.swipe?.showBasemap(basemap);
   }
 
   /** Missing tiles are no error; a failing source is reported once, not for each tile. */
@@ -195,13 +212,21 @@ export class SkyMap {
     }
     if (this.cannotCompare) return;
     try {
-      this.swipe ??= new Swipe(this.map, this.shared, this.events);
+      if (this.swipe === null) {
+        this.swipe = new Swipe(this.map, this.shared, this.events);
+        if (this.basemap !== null) void this.swipe.showBasemap(this.basemap);
+      }
       this.swipe.setSplit(part);
     } catch (reason) {
       // The two skies are still there to be compared.
       this.cannotCompare = true;
       this.events.failed(reason);
     }
+  }
+
+  /** The lights that say their share where one points at them. */
+  showLights(lights: readonly Light[]): void {
+    this.lights.show(lights);
   }
 
   /** Shows areas with their shares; null: none. */

@@ -2,10 +2,12 @@
 
 import type { GeoJSON } from "geojson";
 import type { GeoJSONSource, Map as MapLibreMap } from "maplibre-gl";
+import type { BasemapAnswer } from "../api/schema.ts";
 import type { LayerName } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
 import { nightMap } from "./night-map.ts";
 import { type LayerRequest, RasterLayers } from "./raster-layers.ts";
+import { addBasemap } from "./vector-basemap.ts";
 
 export interface SwipeEvents {
   /** The line between the two maps was drawn to this part of the width. */
@@ -65,6 +67,11 @@ export class Swipe {
     await this.styled;
     if (this.isRemoved) return;
     this.map.getSource<GeoJSONSource>(name)?.setData(data);
+  }
+
+  async showBasemap(basemap: BasemapAnswer): Promise<void> {
+    await this.styled;
+    if (!this.isRemoved) addBasemap(this.map, basemap);
   }
 
   showLayer(name: LayerName, request: LayerRequest | null): void {

@@ -2,19 +2,10 @@
 
 import { api, type SkyParameters } from "../api/client.ts";
 import type { AreaShares, Scene, Shares, SkyAnswer } from "../api/types.ts";
+import { eyeOfBoth } from "../data/both-skies.ts";
 import { LISTED_TOWNS } from "../data/shares-session.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
-import { SkyGrid } from "../sky/grid.ts";
-import { adaptationOf } from "../sky/shading.ts";
-import {
-  type AppState,
-  coordinatesOf,
-  landCdM2Of,
-  sceneOf,
-  sharesQuery,
-  skyConditions,
-  withCloudPattern,
-} from "../state/app-state.ts";
+import { type AppState, coordinatesOf, sceneOf, sharesQuery, skyConditions } from "../state/app-state.ts";
 import type { Place } from "../state/view-state.ts";
 import { pictureUrl } from "../ui/picture-url.ts";
 
@@ -61,11 +52,11 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
   const { scenario: _, ...query } = sharesQuery({ ...state, region: null }, place);
   const { areas, scenario } = state;
   const changed = scenario === null ? null : { ...today, scenario };
-  const isBeforeAfter = changed !== null && state.colours === "eye";
-  const [before, after, panorama, shares, areaShares] = await Promise.all([
-    api.sky(scene.id, today, signal),
+  const answer = api.sky(scene.id, today, signal);
+  const [before, after, adaptationCdM2, shares, areaShares] = await Promise.all([
+    answer,
     changed === null ? null : api.sky(scene.id, changed, signal),
-    isBeforeAfter ? api.panorama(scene.id, withCloudPattern(today), signal) : null,
+    changed === null ? null : eyeOfBoth(scene.id, { parameters: today, answer }, state, signal),
     api.shares(scene.id, { ...query, limit: LISTED_TOWNS }, signal),
     areas === null
       ? null
@@ -76,13 +67,7 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
           signal,
         ),
   ]);
-  const eye =
-    panorama === null
-      ? null
-      : {
-          adaptationCdM2: +adaptationOf(new SkyGrid(panorama), state, landCdM2Of({ ...state, answer: before })).toPrecision(3),
-          isKept: state.adaptationCdM2 !== null,
-        };
+  const eye = adaptationCdM2 === null ? null : { adaptationCdM2, isKept: state.adaptationCdM2 !== null };
   const adapted = eye === null ? {} : { adaptation: eye.adaptationCdM2 };
   const reported = (answer: SkyAnswer, parameters: SkyParameters): ReportedSky => ({
     answer,

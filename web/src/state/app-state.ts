@@ -6,6 +6,7 @@ import type {
   Atmosphere,
   Bounds,
   Darker,
+  InfluentialPixel,
   NamedPlace,
   Night,
   NightHours,
@@ -63,6 +64,8 @@ export interface AppState extends ViewState {
   /** Whose light the sky is, or its marked part: it comes after the sky. */
   shares: Shares | null;
   areas: Areas | null;
+  /** The lights that do most to the sky while the map shows them; they come after the sky. */
+  influences: readonly InfluentialPixel[];
   /** The same by those areas. */
   areaShares: AreaShares | null;
   /** Whether shares are on their way. */
@@ -120,6 +123,7 @@ export function initialState(view: ViewState): AppState {
     shares: null,
     areas: null,
     areaShares: null,
+    influences: [],
     isSharing: false,
     isDarkerOpen: false,
     darker: null,

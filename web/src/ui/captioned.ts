@@ -74,8 +74,21 @@ export function wrapped(text: string, maxPx: number, widthPx: (text: string) => 
 
 const MARGIN_PX = 24;
 
-/** The picture with its caption, as PNG. */
-export async function withCaption(picture: Blob, lines: readonly string[]): Promise<Blob> {
+/** A picture, the lines below it, and what stands upon it; "" is nothing. */
+export interface Frame {
+  picture: Blob;
+  lines: readonly string[];
+  label: string;
+}
+
+/** Pictures with their captions, as PNGs of one size. */
+export async function captioned(frames: readonly Frame[]): Promise<Blob[]> {
+  const drawn = await Promise.all(frames.map(drawing));
+  const heightPx = Math.max(...drawn.map(({ heightPx }) => heightPx));
+  return Promise.all(drawn.map(({ draw }) => draw(heightPx)));
+}
+
+async function drawing({ picture, lines, label }: Frame): Promise<{ heightPx: number; draw: (heightPx: number) => Promise<Blob> }> {
   const image = await createImageBitmap(picture);
   const { width } = image;
   const canvas = document.createElement("canvas");
@@ -88,18 +101,34 @@ export async function withCaption(picture: Blob, lines: readonly string[]): Prom
     return wrapped(line, width - 2 * MARGIN_PX, (text) => context.measureText(text).width).map((text) => ({ text, i }));
   });
   const rowPx = Math.round(1.6 * sizePx);
-  canvas.width = width;
-  canvas.height = image.height + rows.length * rowPx + 2 * MARGIN_PX;
-  context.fillStyle = "#0c1120";
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  context.drawImage(image, 0, 0);
-  context.textBaseline = "middle";
-  rows.forEach(({ text, i }, row) => {
-    context.font = fontOf(i);
-    context.fillStyle = i === 0 ? "#ffffff" : i === lines.length - 1 ? "#93a0c0" : "#dde4f5";
-    context.fillText(text, MARGIN_PX, image.height + MARGIN_PX + (row + 0.5) * rowPx);
-  });
-  return new Promise((resolve, reject) => {
-    canvas.toBlob((blob) => (blob === null ? reject(new Error(words().problems.headline)) : resolve(blob)), "image/png");
-  });
+  const draw = (heightPx: number) => {
+    canvas.width = width;
+    canvas.height = heightPx;
+    context.fillStyle = "#0c1120";
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.drawImage(image, 0, 0);
+    context.textBaseline = "middle";
+    rows.forEach(({ text, i }, row) => {
+      context.font = fontOf(i);
+      context.fillStyle = i === 0 ? "#ffffff" : i === lines.length - 1 ? "#93a0c0" : "#dde4f5";
+      context.fillText(text, MARGIN_PX, image.height + MARGIN_PX + (row + 0.5) * rowPx);
+    });
+    if (label !== "") drawLabel(context, label, Math.round(1.6 * sizePx));
+    return new Promise<Blob>((resolve, reject) => {
+      canvas.toBlob((blob) => (blob === null ? reject(new Error(words().problems.headline)) : resolve(blob)), "image/png");
+    });
+  };
+  return { heightPx: image.height + rows.length * rowPx + 2 * MARGIN_PX, draw };
+}
+
+/** A plate in the upper left corner that says what the picture shows. */
+function drawLabel(context: CanvasRenderingContext2D, label: string, sizePx: number): void {
+  context.font = `650 ${sizePx}px system-ui, sans-serif`;
+  const [paddingPx, heightPx] = [0.7 * sizePx, 2 * sizePx];
+  context.fillStyle = "#0c1120cc";
+  context.beginPath();
+  context.roundRect(MARGIN_PX, MARGIN_PX, context.measureText(label).width + 2 * paddingPx, heightPx, 0.4 * sizePx);
+  context.fill();
+  context.fillStyle = "#ffffff";
+  context.fillText(label, MARGIN_PX + paddingPx, MARGIN_PX + 0.5 * heightPx);
 }

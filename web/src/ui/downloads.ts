@@ -1,7 +1,8 @@
 // Links to the same sky as files, straight from the API.
 
-import { api, type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
+import { type InfluenceQuery, type SkyParameters, urlOf } from "../api/client.ts";
 import { placeWords } from "../language/words.ts";
+import { isOfLight } from "../sky/colour-maps.ts";
 import {
   type AppState,
   CONDITIONS,
@@ -13,26 +14,24 @@ import {
   skyConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { captionLines, withCaption } from "./captioned.ts";
-import { byId, make, saveFile } from "./dom.ts";
-import { placeName } from "./nearby.ts";
+import { byId, make } from "./dom.ts";
 import { pictureUrl } from "./picture-url.ts";
-
-/** Twice as fine as the picture of the link. */
-const SAVED_WIDTH_PX = { equirectangular: 2048, fisheye: 1536, perspective: 2048 } as const;
+import { savedSizePx } from "./saved-size.ts";
 
 /** Follows what is shown, so that the files are of the same sky. */
 export function mountDownloads(store: AppStore): void {
   const pictures = byId("download-links", HTMLElement);
   const influences = byId("influence-links", HTMLElement);
-  const save = byId("save-picture", HTMLButtonElement);
-  save.addEventListener("click", () => {
-    save.disabled = true;
-    savePicture(store.state)
-      .catch((reason: unknown) => store.report(reason))
-      .finally(() => {
-        save.disabled = false;
-      });
+  const horizon = byId("horizon-links", HTMLElement);
+  const size = byId("save-size", HTMLSelectElement);
+  onSave(store, byId("save-picture", HTMLButtonElement), async (state) => {
+    const { savePicture } = await import("./saving.ts");
+    await savePicture(state, size.value === "4k" ? "4k" : "screen");
+  });
+  const both = byId("save-both", HTMLButtonElement);
+  onSave(store, both, async (state) => (await import("./saving.ts")).saveBeforeAfter(state));
+  store.watch(["scenario"], ({ scenario }) => {
+    both.hidden = scenario === null;
   });
   const look = [
     "projection",
@@ -51,11 +50,24 @@ export function mountDownloads(store: AppStore): void {
     const scene = sceneOf(state);
     if (scene === null || place === null) return;
     showDownloads(pictures, scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state);
+    showHorizon(horizon, scene.id, coordinatesOf(place), state);
   });
   store.watch([sceneOf, "place", ...CONDITIONS, "measure", "region"], (state) => {
     const scene = sceneOf(state);
     if (scene === null || state.place === null) return;
     showInfluenceDownloads(influences, scene.id, influenceQuery(state, state.place, conditionsOf(state)));
+  });
+}
+
+/** Saves a picture on a click; until it is there, no other is asked for. */
+function onSave(store: AppStore, button: HTMLButtonElement, save: (state: Readonly<AppState>) => Promise<void>): void {
+  button.addEventListener("click", () => {
+    button.disabled = true;
+    save(store.state)
+      .catch((reason: unknown) => store.report(reason))
+      .finally(() => {
+        button.disabled = false;
+      });
   });
 }
 
@@ -66,6 +78,19 @@ function link(title: string, href: string, description: string): HTMLElement {
   anchor.target = "_blank";
   anchor.rel = "noopener";
   return anchor;
+}
+
+/** The skyline for programs of the night sky. */
+function showHorizon(container: HTMLElement, scene: string, place: Pick<SkyParameters, "lat" | "lon">, state: AppState): void {
+  const say = placeWords().downloads;
+  const horizon = (format: "stellarium" | "nina") => urlOf("/api/v1/scenes/{scene}/horizon.txt", { scene }, { ...place, format });
+  const { scenario } = skyConditions(state);
+  const changed = scenario === undefined ? {} : { scenario };
+  container.replaceChildren(
+    link("Stellarium", horizon("stellarium"), say.horizonStellarium),
+    link("N.I.N.A.", horizon("nina"), say.horizonNina),
+    link("ZIP", urlOf("/api/v1/scenes/{scene}/landscape.zip", { scene }, { ...place, ...changed }), say.landscape),
+  );
 }
 
 /** Whose light it is: every lit pixel's part in the measure of the map's layer. */
@@ -81,25 +106,16 @@ function showInfluenceDownloads(container: HTMLElement, scene: string, query: In
   );
 }
 
-/** That picture with its caption. */
-async function savePicture(state: Readonly<AppState>): Promise<void> {
-  const { place, places, answer, shares } = state;
-  const scene = sceneOf(state);
-  if (scene === null || place === null || answer === null) return;
-  const url = pictureUrl(scene.id, { ...coordinatesOf(place), ...skyConditions(state) }, state, {
-    width: SAVED_WIDTH_PX[state.projection],
-  });
-  const name = placeName(place, places);
-  const lines = captionLines({ place, name, scene, answer, shares }, state);
-  const picture = await withCaption(await api.picture(url, new AbortController().signal), lines);
-  saveFile(picture, `skyglow ${name.replaceAll(/[\\/:*?"<>|]/g, " ")}.png`);
-}
-
 function showDownloads(container: HTMLElement, scene: string, parameters: SkyParameters, state: AppState): void {
   // Rasters hold the radiance in bands, whatever sees it.
   const { response: _, ...raster } = parameters;
+  const { projection, skyAspect, colours } = state;
+  // Screens that go above white show lights so; false colours have none.
+  const bright = { ...savedSizePx(projection, skyAspect, "screen"), dynamic_range: "hdr" } as const;
+  const hdr = isOfLight(colours) ? [link("HDR", pictureUrl(scene, parameters, state, bright), placeWords().downloads.hdr)] : [];
   container.replaceChildren(
     link("PNG", pictureUrl(scene, parameters, state), placeWords().downloads.png),
+    ...hdr,
     link("EXR", urlOf("/api/v1/scenes/{scene}/panorama.exr", { scene }, raster), placeWords().downloads.exr),
     link("TIFF", urlOf("/api/v1/scenes/{scene}/panorama.tif", { scene }, raster), placeWords().downloads.tiff),
     link("JSON", urlOf("/api/v1/scenes/{scene}/panorama.json", { scene }, parameters), placeWords().downloads.json),

@@ -9,7 +9,7 @@ import { type AppState, landOf, seenOf, withCloudPattern } from "../state/app-st
 
 type PictureQuery = Parameters<typeof urlOf<"/api/v1/scenes/{scene}/panorama.png">>[2];
 /** How it differs from what the page shows. */
-export type PictureMore = Partial<Pick<PictureQuery, "width" | "height_px" | "legend" | "adaptation">>;
+export type PictureMore = Partial<Pick<PictureQuery, "width" | "height_px" | "legend" | "adaptation" | "dynamic_range">>;
 /** Both without loss; WebP in fewer bytes, PNG for every program. */
 type Format = "png" | "webp";
 

@@ -2,6 +2,7 @@
 
 import type { NamedPlace } from "../api/types.ts";
 import { DarkerSession } from "../data/darker-session.ts";
+import { followInfluences } from "../data/influences-session.ts";
 import { followLand } from "../data/land.ts";
 import { followNight, followNightHours } from "../data/night-session.ts";
 import { SharesSession } from "../data/shares-session.ts";
@@ -20,6 +21,7 @@ import { byId } from "./dom.ts";
 import { mountDownloads } from "./downloads.ts";
 import { mountEmbedCode } from "./embed-code.ts";
 import { mountLightsControls } from "./lights-controls.ts";
+import { mountMeter } from "./meter.ts";
 import { mountNumbers } from "./numbers.ts";
 import { PaintCard } from "./paint-card.ts";
 import { mountPictureControls } from "./picture-controls.ts";
@@ -46,6 +48,7 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   new Legend(store);
   new SkyView(byId("sky-view", HTMLElement), store);
   followLand(store);
+  followInfluences(store);
   mountReadout(store);
   mountRegionButton(store);
   followNight(store);
@@ -63,9 +66,10 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   new Compare(store, goTo);
   mountNumbers(store);
   mountColourNumbers(store);
+  mountMeter(store);
   mountDownloads(store);
   new PlanCard(store, lights);
-  mountShare(lights);
+  mountShare(store, lights);
   mountReportButton(store, lights);
   mountEmbedCode(store, lights);
   new BenchCard(store, lights);

@@ -1,5 +1,6 @@
 // The line of a night: its twilights, its Moon and its dark part, and the time on it that the sky is shown at.
 
+import { api } from "../api/client.ts";
 import type { Night } from "../api/types.ts";
 import { eveningOfState } from "../data/night-session.ts";
 import { placeWords } from "../language/words.ts";
@@ -10,6 +11,7 @@ import {
   darkestOf,
   darknessAt,
   darknessOf,
+  eveningOfTonight,
   hoursText,
   MINUTE_MS,
   moonParts,
@@ -17,7 +19,8 @@ import {
   rangeOf,
   timeOf,
 } from "../night/time.ts";
-import type { AppState } from "../state/app-state.ts";
+import { darkWeekend, middleOfDark, twoMonths } from "../night/weekend.ts";
+import { type AppState, coordinatesOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, debounced, make } from "./dom.ts";
 import { whole } from "./format.ts";
@@ -51,6 +54,9 @@ export class TimeLine {
       // Until the hours are there, and where none is dark, it goes by the Sun and the Moon.
       if (night !== null) store.set({ time: timeOf(best?.atMs ?? darkestOf(night)) });
     });
+    byId("time-weekend", HTMLButtonElement).addEventListener("click", () => {
+      this.goToDarkWeekend().catch((reason: unknown) => store.report(reason));
+    });
     this.none.addEventListener("click", () => {
       setSoon.cancel();
       store.set({ time: null });
@@ -80,6 +86,23 @@ export class TimeLine {
     const middleMs = Date.parse(date) + DAY_MS * (1 - place.longitude_deg / 360);
     const sameHourMs = time === null ? middleMs : Date.parse(time) + Date.parse(date) - Date.parse(before);
     this.store.set({ time: timeOf(sameHourMs) });
+  }
+
+  /** From tonight on, whatever night is shown. */
+  private async goToDarkWeekend(): Promise<void> {
+    const { place } = this.store.state;
+    if (place === null) return;
+    const { signal } = new AbortController();
+    const today = eveningOfTonight(Date.now(), place.longitude_deg);
+    const months = twoMonths(today).map((month) => api.nights(coordinatesOf(place), month, signal));
+    const weekend = darkWeekend(
+      (await Promise.all(months)).flatMap(({ nights }) => nights),
+      today,
+    );
+    const atMs = weekend === null ? null : middleOfDark(weekend);
+    if (this.store.state.place !== place) return;
+    if (atMs === null) byId("night-best", HTMLElement).textContent = placeWords().time.noWeekend;
+    else this.store.set({ time: timeOf(atMs) });
   }
 
   private showNight(night: Night, longitudeDeg: number): void {

@@ -1,9 +1,11 @@
 //! What the natural sky of a time is made of.
 
+use crate::sky_bodies::discs_of;
 use serde::Serialize;
 use skyglow_celestial::{
     BodiesAnswer, Component, limiting_magnitude::VisibleStars, milky_way::MilkyWayContrast,
 };
+use skyglow_display::Behind;
 use skyglow_observatory::{ComponentSky, RenderedSky, night_sky::DirectionLimit};
 use skyglow_physics::{Response, photometry::brightness_mag_arcsec2};
 use utoipa::ToSchema;
@@ -58,10 +60,10 @@ pub struct NightSkyAnswer {
     pub bodies: BodiesAnswer,
     /// Components that count: by day the Sun alone, and no Moon while it is more than 12° down.
     pub components: Vec<ComponentAnswer>,
-    /// Stars that the naked eye sees, each against the sky of its own direction.
+    /// Stars that the naked eye sees, each against the sky of its own direction behind the veil that the eye makes of Moon, Sun and sky.
     pub stars: VisibleStars,
-    /// Faintest stars at the zenith and at eight azimuths in three elevations: Crumey 2014, F = 2, with all light there, less what
-    /// the air takes more than at the zenith.
+    /// Faintest stars at the zenith and at eight azimuths in three elevations: Crumey 2014, F = 2, with all light there and the
+    /// veil over it, less what the air takes more than at the zenith.
     pub limits: Vec<DirectionLimitAnswer>,
     /// Where the Milky Way stands out most; null where starlight does not count, or no part of the band is 15° up.
     pub milky_way: Option<MilkyWayContrast>,
@@ -87,7 +89,11 @@ impl NightSkyAnswer {
             return None;
         }
         let (night, total) = (sky.night.as_ref()?, sky.seen_in_total());
-        let stars = night.seen_stars(total.seen_by(&Response::Photopic)?, &sky.horizon);
+        let behind = Behind::of(&total, &discs_of(night), &sky.horizon)?;
+        let background = |direction, luminance_cd_m2: f64| {
+            behind.background_cd_m2(direction).map_or(luminance_cd_m2, |found| luminance_cd_m2.max(found))
+        };
+        let stars = night.seen_stars(total.seen_by(&Response::Photopic)?, &sky.horizon, background);
         Some(Self {
             bodies: BodiesAnswer::of(night.heavens()),
             components: night.components().iter().map(ComponentAnswer::from).collect(),

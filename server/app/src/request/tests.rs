@@ -279,6 +279,7 @@ fn what_a_format_does_not_use_is_refused() {
         "exposure=1",
         "adaptation=0.01",
         "ground=dark",
+        "dynamic_range=standard",
         "legend=off",
     ];
     let shape = ["projection=fisheye", "width=64", "height_px=64"];
@@ -323,6 +324,23 @@ fn lit_ground_needs_colours_and_terrain() {
         assert_eq!(found.is_some(), expected.is_some(), "{query}");
         assert!(found.is_none_or(|found| found.contains(expected.unwrap())), "{query}: {found:?}");
     }
+}
+
+/// A high dynamic range is of a PNG in the colours of eye and camera.
+#[test]
+fn hdr_needs_colours_of_light_and_png() {
+    let hdr = |query: &str, format| {
+        let view = read_as(&format!("lat=-1&lon=36&dynamic_range=hdr{query}"), format);
+        view.map(|(_, view)| view.options.dynamic_range).map_err(|error| error.field_errors().to_vec())
+    };
+    for style in ["&style=eye", "&style=realistic"] {
+        assert_eq!(hdr(style, Format::Png).unwrap(), skyglow_display::DynamicRange::High);
+        let errors = hdr(style, Format::WebP).unwrap_err();
+        assert_eq!(errors[0].code, ValidationCode::UnknownParameter);
+    }
+    let errors = hdr("", Format::Png).unwrap_err();
+    assert_eq!((errors.len(), errors[0].parameter.as_str()), (1, "dynamic_range"));
+    assert_eq!(errors[0].code, ValidationCode::Conflict);
 }
 
 /// All mistakes of sky and picture come in one answer.

@@ -4,7 +4,9 @@ use super::sky::read_light;
 use crate::{parameters as p, reader::Reader, validation::ValidationCode};
 use serde::Serialize;
 use skyglow_display::options::MAX_PICTURE_PX;
-use skyglow_display::{Colormap, ColourRange, GroundStyle, PictureOptions, Projection, Scale, Sky, Style};
+use skyglow_display::{
+    Colormap, ColourRange, DynamicRange, GroundStyle, PictureOptions, Projection, Scale, Sky, Style,
+};
 use skyglow_physics::Response;
 
 /// How a panorama is to be shown.
@@ -20,6 +22,7 @@ pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequ
     let projection = read_projection(reader);
     let style = read_style(reader, response);
     let ground = read_ground(reader, style);
+    let dynamic_range = read_dynamic_range(reader, style);
     let sky = match (style, reader.text(&p::SKY)) {
         (Style::Eye { .. }, None) => Sky::Total,
         _ => read_light(reader),
@@ -38,6 +41,7 @@ pub(super) fn read_view(reader: &mut Reader, response: &Response) -> PictureRequ
             legend,
             sky,
             ground,
+            dynamic_range,
             illustrative: false,
         },
         raster_size_px: sized(projection.default_raster_size_px()),
@@ -57,6 +61,16 @@ fn read_ground(reader: &mut Reader, style: Style) -> GroundStyle {
         only_with(reader, &[&p::GROUND], "terrain=on");
     }
     ground
+}
+
+fn read_dynamic_range(reader: &mut Reader, style: Style) -> DynamicRange {
+    if reader.choice(&p::DYNAMIC_RANGE) != Some("hdr") {
+        return DynamicRange::Standard;
+    }
+    if matches!(style, Style::FalseColour { .. }) {
+        only_with(reader, &[&p::DYNAMIC_RANGE], "style=realistic or style=eye");
+    }
+    DynamicRange::High
 }
 
 /// Notes a picture of more pixels than one may ask for, though each side is in its range.

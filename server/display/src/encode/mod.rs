@@ -1,12 +1,14 @@
 //! Bytes of pictures and rasters. All lossless; the same input gives the same bytes.
 
 mod exr_format;
+mod hdr_format;
 mod png_format;
 mod sky_format;
 mod tiff_format;
 mod webp_format;
 
 pub use exr_format::encode_exr;
+pub use hdr_format::encode_hdr_png;
 pub use png_format::{encode_png, encode_png_rgba};
 pub use sky_format::{LogPlane, PointTable, STEPS_PER_E, encode_sky};
 pub use tiff_format::encode_tiff;

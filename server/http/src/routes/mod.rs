@@ -1,6 +1,7 @@
 //! The handlers, one file a resource.
 
 pub mod atmospheres;
+pub mod basemap;
 mod brightness;
 pub mod darker;
 pub mod docs;
@@ -12,6 +13,7 @@ pub mod influence;
 pub mod jobs;
 mod kept;
 pub mod layers;
+pub mod link;
 pub mod night;
 pub mod ogc;
 pub mod panorama;

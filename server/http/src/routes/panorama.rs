@@ -18,11 +18,11 @@ use skyglow_app::{
     answers::PanoramaAnswer,
     drawing::draw,
     negotiated_parameters::NegotiatedPanoramaParameters,
-    parameters::{CompactParameters, GridParameters, PanoramaParameters, RasterParameters},
+    parameters::{CompactParameters, GridParameters, PanoramaParameters, RasterParameters, WebPParameters},
     request::{PictureRequest, panorama, scene_id},
     source::SkySource,
 };
-use skyglow_display::GroundStyle;
+use skyglow_display::{DynamicRange, GroundStyle};
 use std::sync::Arc;
 
 /// The sky in the format that the Accept header prefers: a picture, a raster, or JSON as `panorama.json` has it; PNG if it takes
@@ -90,8 +90,8 @@ macro_rules! formats {
 
 formats! {
     get_panorama_png, "png", Format::Png, PanoramaParameters, Vec<u8>, "image/png",
-        "The sky as PNG, with its legend.";
-    get_panorama_webp, "webp", Format::WebP, PanoramaParameters, Vec<u8>, "image/webp",
+        "The sky as PNG, with its legend; with `dynamic_range=hdr` for screens that go above white.";
+    get_panorama_webp, "webp", Format::WebP, WebPParameters, Vec<u8>, "image/webp",
         "The sky as lossless WebP, with its legend.";
     get_panorama_exr, "exr", Format::Exr, RasterParameters, Vec<u8>, "image/x-exr",
         "Linear radiance as OpenEXR: channels R, G, B in W m⁻² sr⁻¹, 32-bit floats, 0 where terrain hides the sky; A says where the projection shows the upper hemisphere.";
@@ -106,6 +106,7 @@ formats! {
 /// Bytes that drawing takes for each pixel of a picture with its file, and of a raster, of which the file is all that there is; and
 /// of any.
 const BYTES_PER_PICTURE_PIXEL: usize = 40;
+const BYTES_PER_HDR_PIXEL: usize = 60;
 const BYTES_PER_RASTER_PIXEL: usize = 13;
 const BASE_BYTES: usize = 8 << 20;
 /// Bytes of ground in light, about: elevations by azimuth and distance, and what is seen of them.
@@ -114,7 +115,9 @@ const GROUND_BYTES: usize = 192 << 20;
 fn drawing_bytes(picture: &PictureRequest, format: Format) -> usize {
     let ((width_px, height_px), bytes) = match format {
         Format::Png | Format::WebP => {
-            ((picture.options.width_px, picture.options.height_px), BYTES_PER_PICTURE_PIXEL)
+            let is_hdr = picture.options.dynamic_range == DynamicRange::High;
+            let bytes = if is_hdr { BYTES_PER_HDR_PIXEL } else { BYTES_PER_PICTURE_PIXEL };
+            ((picture.options.width_px, picture.options.height_px), bytes)
         }
         Format::Exr | Format::Tiff => (picture.raster_size_px, BYTES_PER_RASTER_PIXEL),
         Format::Json | Format::Sky => ((0, 0), 0),

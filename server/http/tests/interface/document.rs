@@ -166,6 +166,7 @@ async fn every_parameter_is_described() {
         "max",
         "exposure",
         "adaptation",
+        "dynamic_range",
         "width",
         "height_px",
     ] {

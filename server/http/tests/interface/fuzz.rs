@@ -54,7 +54,7 @@ fn name() -> impl Strategy<Value = String> {
             "lat", "lon", "height", "altitude", "turbidity", "scattering", "lamp", "emission", "basis", "clouds",
             "direct_uplight", "ground_reflectance", "emission_keep",
             "terrain", "tolerance", "sky", "scenario", "projection", "azimuth", "elevation", "fov", "style",
-            "colormap", "scale", "min", "max", "exposure", "adaptation", "width", "height_px", "legend", "measure", "limit", "region",
+            "colormap", "scale", "min", "max", "exposure", "adaptation", "dynamic_range", "width", "height_px", "legend", "measure", "limit", "region",
         ]).prop_map(str::to_owned),
         1 => "[a-z%&=+;\\[\\]]{0,8}",
     ]

@@ -3,6 +3,7 @@ use crate::{
     server::{PLACE, Server, header},
 };
 use serde_json::{Value, json};
+use skyglow_http::HttpConfig;
 use skyglow_scene::Ground;
 use std::sync::atomic::Ordering;
 
@@ -161,7 +162,7 @@ async fn tilejson_ignores_a_hostile_host_header() {
 async fn only_the_embed_may_be_framed_by_others() {
     let server = Server::start().await;
     let mut framed = Vec::new();
-    for path in ["/", "/index.html", "/embed", "/api/docs"] {
+    for path in ["/", "/index.html", "/embed", "/at?scene=demo&lat=46&lon=8", "/api/docs"] {
         let page = server.answer(path).await;
         assert_eq!(page.status(), 200, "{path}");
         let policy = header(&page, "content-security-policy").to_owned();
@@ -243,4 +244,38 @@ async fn the_viewer_has_a_strict_policy() {
     for path in ["/assets/..%2f..%2fCargo.toml", "/assets/..%2findex.html", "/Cargo.toml", "/SHA256SUMS"] {
         assert_eq!(server.answer(path).await.status(), 404, "{path}");
     }
+}
+
+/// The operator's basemap is described and served tile by tile, compressed as its file has them; without one there is none.
+#[tokio::test]
+async fn an_operators_basemap_is_served() {
+    use pmtiles::{PmTilesWriter, TileCoord, TileType};
+    let server = Server::start().await;
+    let (status, none) = server.json("/api/v1/basemap").await;
+    assert_eq!((status, none["tiles"].as_array().unwrap().len()), (200, 0));
+    assert_eq!(server.answer("/api/v1/basemap/0/0/0").await.status(), 404);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let mut writer = PmTilesWriter::new(TileType::Mvt)
+        .metadata(r#"{"attribution":"Somebody","vector_layers":[{"id":"roads"}]}"#)
+        .max_zoom(1)
+        .create(file.reopen().unwrap())
+        .unwrap();
+    writer.add_tile(TileCoord::new(0, 0, 0).unwrap(), b"the whole world").unwrap();
+    writer.finalize().unwrap();
+    let config = HttpConfig { basemap: Some(file.path().to_owned()), ..HttpConfig::default() };
+    let server = Server::with(config).await;
+    let (_, map) = server.json("/api/v1/basemap").await;
+    assert_eq!((&map["attribution"], &map["layers"][0]), (&"Somebody".into(), &"roads".into()));
+    let template = map["tiles"][0].as_str().unwrap();
+    assert_eq!(template, format!("{}/api/v1/basemap/{{z}}/{{x}}/{{y}}", server.base));
+    let tile = server.get("/api/v1/basemap/0/0/0").header("accept-encoding", "gzip").send().await.unwrap();
+    assert_eq!(header(&tile, "content-type"), "application/vnd.mapbox-vector-tile");
+    assert_eq!(header(&tile, "content-encoding"), "gzip");
+    let bytes = tile.bytes().await.unwrap();
+    assert!(bytes.starts_with(&[0x1f, 0x8b]), "{bytes:?}");
+    assert_eq!(server.answer("/api/v1/basemap/1/0/0").await.status(), 204);
+    for path in ["/api/v1/basemap/40/0/0", "/api/v1/basemap/1/9/0"] {
+        assert_eq!(server.answer(path).await.status(), 204, "{path}");
+    }
+    assert_eq!(server.answer("/api/v1/basemap/x/0/0").await.status(), 400);
 }

@@ -108,7 +108,7 @@ mod tests {
             let (row, column) = star.direction.nearest_sample();
             star.limit_mag <= naked_eye_limit_mag(f64::from(total_cd_m2[row * AZIMUTH_COUNT + column]))
         });
-        let counted = night.seen_stars(total_cd_m2, &Horizon::flat()).count.visible as usize;
+        let counted = night.seen_stars(total_cd_m2, &Horizon::flat(), |_, sky| sky).count.visible as usize;
         assert!(shown.count().abs_diff(counted) < counted / 50, "{counted}");
         // Planets alone are left by day.
         assert!(day.points().len() <= 7);

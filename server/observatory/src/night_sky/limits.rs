@@ -49,8 +49,14 @@ impl NightSky {
         self.extinction_mag(row) - self.extinction_mag(ELEVATION_COUNT - 1)
     }
 
-    /// What is seen of the stars in a sky of so much luminance in all, `[row][column]`, cd m⁻².
-    pub fn seen_stars(&self, total_cd_m2: &[f32], horizon: &Horizon) -> SeenStars {
+    /// What is seen of the stars in a sky of so much luminance in all, `[row][column]`, cd m⁻², given the even background that hides as
+    /// much as a luminance in a direction: the veil that the eye makes of all light is over it.
+    pub fn seen_stars(
+        &self,
+        total_cd_m2: &[f32],
+        horizon: &Horizon,
+        background_cd_m2: impl Fn(Direction, f64) -> f64,
+    ) -> SeenStars {
         let luminance = |direction: Direction| {
             let (row, column) = direction.nearest_sample();
             match horizon.hides_sample(row, column) {
@@ -58,6 +64,7 @@ impl NightSky {
                 false => f64::from(total_cd_m2[row * AZIMUTH_COUNT + column]),
             }
         };
+        let behind = |direction: Direction| background_cd_m2(direction, luminance(direction));
         let eye = Eye::default();
         let limit = |(azimuth_deg, elevation_deg): (f64, f64)| {
             let direction = Direction {
@@ -67,7 +74,7 @@ impl NightSky {
             let (row, column) = direction.nearest_sample();
             let is_ground = horizon.hides_sample(row, column);
             let luminance_cd_m2 = if is_ground { 0.0 } else { luminance(direction) };
-            let limit_mag = eye.limit_mag(luminance_cd_m2) - self.more_extinction_mag(row);
+            let limit_mag = eye.limit_mag(behind(direction)) - self.more_extinction_mag(row);
             let limit_mag = (!is_ground).then_some(limit_mag);
             DirectionLimit { azimuth_deg, elevation_deg, luminance_cd_m2, limit_mag }
         };
@@ -80,11 +87,11 @@ impl NightSky {
         let has_starlight = self.components.iter().any(|sky| sky.component == Component::Starlight);
         SeenStars {
             limits: directions.map(limit).collect(),
-            count: visible_stars(&self.heavens, eye, luminance, more_mag),
+            count: visible_stars(&self.heavens, eye, behind, more_mag),
             milky_way: has_starlight
                 .then(|| {
                     let mag = |direction: Direction| self.extinction_mag(row(direction));
-                    milky_way_contrast(&self.heavens, luminance, mag)
+                    milky_way_contrast(&self.heavens, behind, mag)
                 })
                 .flatten(),
         }

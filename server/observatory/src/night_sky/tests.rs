@@ -144,7 +144,7 @@ fn ground_hides_the_natural_sky() {
         }
     }
     let [all, some] = [(&open, &Horizon::flat()), (&walled, &wall)]
-        .map(|(sky, horizon)| sky.seen_stars(sky.seen().plane(1), horizon));
+        .map(|(sky, horizon)| sky.seen_stars(sky.seen().plane(1), horizon, |_, sky| sky));
     assert!(some.count.visible < all.count.visible && some.count.visible > 500);
     assert_eq!(some.limits.iter().filter(|limit| limit.limit_mag.is_none()).count(), 4);
 }
@@ -155,12 +155,21 @@ fn stars_are_seen_by_the_limit_where_they_are() {
     let open = Horizon::flat();
     let of = |utc: &str| {
         let sky = sky(utc, &open, Skipping::OfWhatDoesNotCount);
-        sky.seen_stars(sky.seen().plane(1), &open)
+        sky.seen_stars(sky.seen().plane(1), &open, |_, sky| sky)
     };
     let (dark, moonlit, noon) = (of(NEW_MOON), of(FULL_MOON), of(NOON));
     assert!((3_500..5_000).contains(&dark.count.above_horizon), "{:?}", dark.count);
     assert!(dark.count.visible > 2 * moonlit.count.visible && moonlit.count.visible > 0);
     assert_eq!((noon.count.visible, noon.milky_way), (0, None));
+    // A veil as bright as the sky hides as many as a sky of twice the light.
+    let veiled = {
+        let sky = sky(NEW_MOON, &open, Skipping::OfWhatDoesNotCount);
+        sky.seen_stars(sky.seen().plane(1), &open, |_, sky| 2.0 * sky)
+    };
+    assert!(
+        veiled.count.visible < dark.count.visible && veiled.limits[0].limit_mag < dark.limits[0].limit_mag
+    );
+    assert_eq!(veiled.limits[0].luminance_cd_m2, dark.limits[0].luminance_cd_m2);
     let [zenith, low] = [dark.limits[0], dark.limits[1]].map(|limit| limit.limit_mag.unwrap());
     assert!(zenith > low + 0.3 && (5.5..7.0).contains(&zenith), "{zenith} {low}");
     let [contrast, by_moonlight] = [dark, moonlit].map(|stars| stars.milky_way.unwrap().contrast);

@@ -20,6 +20,9 @@ export const place = {
     best: "Best hour",
     /** `mag`: of the zenith, all light. */
     bestTold: (time: string, mag: string) => `Best at ${time}: ${mag} mag/arcsec² overhead under a clear sky.`,
+    weekend: "Dark weekend",
+    weekendWhy: "The next Friday or Saturday night that is dark for hours",
+    noWeekend: "No Friday or Saturday night is dark until the end of next month.",
     none: "No time",
     noneWhy: "A dark sky to compare with: no Moon, no twilight",
     noneTold: "No time: a dark sky without Moon or twilight",
@@ -334,6 +337,21 @@ export const place = {
     changedSomeDark: (pixels: string, dark: string) => `${pixels} pixels changed, ${dark} of them dark before`,
     upward: (before: string, after: string) => `Upward light: ${before} → ${after}`,
   },
+  meter: {
+    title: "My meter reads …",
+    reading: "Reading overhead, mag/arcsec²",
+    keep: "Keep the reading",
+    save: (count: string | number) => `Save readings (${count}) as CSV`,
+    kept: "Kept in this browser.",
+    noReading: "A meter shows 5 to 24 mag/arcsec².",
+    noModel: "There is no model for a meter here.",
+    agrees: (model: string) => `The model has ${model}: they agree as well as meters do (0.1).`,
+    /** `mag`: magnitudes; `part`: percent of its light. */
+    brighter: (model: string, mag: string, part: string) =>
+      `The model has ${model}: your sky is ${mag} mag/arcsec² brighter, ${part} more light.`,
+    darker: (model: string, mag: string, part: string) =>
+      `The model has ${model}: your sky is ${mag} mag/arcsec² darker, ${part} less light.`,
+  },
   downloads: {
     title: "Take it along",
     report: "Report",
@@ -350,7 +368,16 @@ export const place = {
     influence: "Whose light it is",
     influenceTif: "The part of every lit pixel, GeoTIFF on the scene's grid",
     influenceList: "The thousand pixels that do most",
+    horizon: "The horizon here",
+    horizonStellarium: "Polygonal horizon for a landscape of Stellarium",
+    horizonNina: "Custom horizon for N.I.N.A.",
+    landscape: "A landscape for Stellarium: horizon and light pollution, to be unpacked into its folder of landscapes",
     savePicture: "Save the picture with its caption",
+    size: "Size",
+    sizeScreen: "for a screen",
+    size4k: "4K",
+    saveBoth: "Save before and after, moving",
+    hdr: "For screens that go above white (HDR): Moon, stars and lamps shine. Other programs show it too grey",
     png: "The picture with its legend",
     exr: "Raw radiance, OpenEXR",
     tiff: "Raw radiance, 32-bit TIFF",
