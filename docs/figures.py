@@ -154,7 +154,7 @@ def labelled(image, words):
 
 
 def gallery():
-    """One place beside a city: by new Moon, half Moon, at dusk and under clouds; then its lamps, and a plan. The eye of a row is one."""
+    """One place beside a city: by new Moon, half Moon, at dusk and by full Moon; then its lamps, and a plan, seen by one eye."""
     place = {"lat": -1.52, "lon": 36.62}
     look = {**place, "projection": "perspective", "azimuth": 48, "elevation": 24, "fov": 84, "width": 640, "height_px": 400, "style": "eye", "legend": "off"}
     see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", **{**look, **params}), words)
@@ -163,11 +163,11 @@ def gallery():
     lamps = {"time": dark, "adaptation": 0.0012}
     side_by_side("gallery", [
         [see("new Moon", time=dark), see("half Moon", time="2026-08-20T18:00:00Z"), see("dusk", time="2026-08-12T16:12:00Z"),
-         see("clouds", time=dark, clouds=1500, cloud_cover=0.5, cloud_pattern=3)],
+         see("full Moon", time="2026-08-27T19:00:00Z")],
         [see("sodium lamps", lamp="hps", **lamps), see("LED, 4000 K", lamp="led_4000k", **lamps),
          see("today", **lamps), see("with a plan: half of the glow overhead", scenario=made["id"], **lamps)],
     ])
-    print("gallery", made["id"], made["dimmed_pixels"], made["flux_removed_share"], made["sites"][0])
+    print("gallery", made["id"], made["dimmed_pixels"], made["flux_removed_share"])
 
 
 def night():
