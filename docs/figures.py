@@ -155,12 +155,12 @@ def labelled(image, words):
 
 def gallery():
     """One place beside a city: by new Moon, half Moon, at dusk and by full Moon; then its lamps, and a plan, seen by one eye."""
-    place = {"lat": -1.52, "lon": 36.62}
-    look = {**place, "projection": "perspective", "azimuth": 48, "elevation": 24, "fov": 84, "width": 640, "height_px": 400, "style": "eye", "legend": "off"}
+    place = {"lat": -1.43, "lon": 36.66}
+    look = {**place, "projection": "perspective", "azimuth": 55, "elevation": 22, "fov": 84, "height": 25, "width": 640, "height_px": 400, "style": "eye", "legend": "off"}
     see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", **{**look, **params}), words)
     dark = "2026-08-12T19:00:00Z"
     made = ask("POST", f"{API}/scenes/{SCENE}/plans", json={"method": "target", "max_cut": 0.7, "sites": [{**place, "reduce_by": 0.5}]}).json()
-    lamps = {"time": dark, "adaptation": 0.0012}
+    lamps = {"time": dark, "adaptation": 0.002}
     side_by_side("gallery", [
         [see("new Moon", time=dark), see("half Moon", time="2026-08-20T18:00:00Z"), see("dusk", time="2026-08-12T16:12:00Z"),
          see("full Moon", time="2026-08-27T19:00:00Z")],
