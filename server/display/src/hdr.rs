@@ -226,8 +226,9 @@ mod tests {
                 (high.pixel(x as u32, y as u32), standard.get_pixel(x as u32, y as u32).0)
             };
             let [moon, star] = [moon_at, star_at].map(|of| luminance_cd_m2(at(of).0[1]));
-            assert!((900.0..1010.0).contains(&moon), "{moon}");
-            assert!((SDR_WHITE_CD_M2..moon).contains(&star), "{star}");
+            // A dazzled eye sees even the Moon short of white.
+            assert!((800.0..1010.0).contains(&moon), "{moon}");
+            assert!(star > SDR_WHITE_CD_M2 && star < moon + 10.0, "{star}");
             let lights = |x: u32, y: u32| {
                 let near = |of| view.position_px(of).map(|(a, b)| (a - f64::from(x)).hypot(b - f64::from(y)));
                 [moon_at, star_at].into_iter().filter_map(near).any(|away| away < 40.0)
