@@ -1,5 +1,5 @@
 # Two commands to know: `make serve` and `make test`. Each sets up what it needs.
-.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks replicas package container fuzz deny viewer qgis wheel
+.PHONY: help serve check test test-browser packs bench measurements stress load soak faults attacks replicas package container fuzz deny viewer qgis standards wheel
 
 help: ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -60,6 +60,10 @@ fuzz: ## bytes that nobody meant to every parser (SECONDS=60 each; installs the 
 qgis: ## the QGIS plugin in QGIS, with and without a window (installs Debian's QGIS; TESTS=test_algorithms.Sky picks)
 	@cargo build --release --package skyglow
 	@scripts/qgis_plugin.sh $(TESTS)
+
+standards: ## the server by OGC's schemas and abstract tests, STAC, COG, CoverageJSON and CF (fetches validators and schemas once)
+	@cargo build --release --package skyglow
+	@scripts/standards.sh
 
 wheel: ## the Python package and its engine as wheels in target/wheels, tried in an empty environment and against a server
 	@cargo build --release --package skyglow

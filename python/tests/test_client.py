@@ -8,6 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import geopandas
 import geopandas.testing
+import httpx
 import numpy as np
 import pandas
 import pytest
@@ -149,6 +150,24 @@ def test_shares_are_of_places_and_of_areas(client):
     assert frame.attrs["measure"] == "horizontal"
     with pytest.raises(skyglow.InvalidRequestError):
         client.shares(*VALLEY, areas=areas, name_field="mayor")
+
+
+def test_shares_are_kept_as_geojson(url, client, tmp_path):
+    """In one line, with the same areas and numbers as the server's own file."""
+    boxes = [shapely.box(8.7, 46.1, 8.9, 46.2), shapely.box(8.5, 46.0, 9.2, 46.4)]
+    areas = geopandas.GeoDataFrame({"town": ["inner", "outer"]}, geometry=boxes, crs="EPSG:4326")
+    client.shares(*VALLEY, areas=areas, name_field="town").to_file(tmp_path / "shares.geojson")
+    ours = geopandas.read_file(tmp_path / "shares.geojson")
+    query = {"lat": VALLEY[0], "lon": VALLEY[1], "name_field": "town"}
+    answer = httpx.post(f"{url}/api/v1/scenes/demo/shares.geojson", params=query, content=areas.to_json())
+    assert answer.headers["content-type"] == "application/geo+json"
+    (tmp_path / "theirs.geojson").write_bytes(answer.content)
+    theirs = geopandas.read_file(tmp_path / "theirs.geojson")
+    assert list(theirs["name"]) == list(theirs["town"]) == list(ours["name"]) == ["outer", "inner"]
+    assert theirs.geometry.normalize().equals(ours.geometry.normalize())
+    for name in ("rank", "share", "influence", "pixels"):
+        assert list(theirs[name]) == list(ours[name]), name
+    assert all(theirs.geometry.exterior.is_ccw)
 
 
 def test_tables_are_kept_as_parquet(client, tmp_path):

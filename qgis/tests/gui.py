@@ -1,7 +1,7 @@
 """Run inside QGIS (`qgis --code`): the plugin in a real window, with its map tool clicked.
 
 ``SKYGLOW_QGIS_SAID`` names the file that gets what was seen, as JSON; ``SKYGLOW_QGIS_PICTURE`` one for a picture of the
-window. The test that started QGIS judges what was seen.
+window with influences, ``SKYGLOW_QGIS_PLAN_PICTURE`` one with a plan. The test that started QGIS judges what was seen.
 """
 
 from __future__ import annotations
@@ -16,10 +16,14 @@ from pathlib import Path
 from qgis.core import (
     QgsApplication,
     QgsCoordinateReferenceSystem,
+    QgsFeature,
+    QgsGeometry,
+    QgsMarkerSymbol,
     QgsPointXY,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
+    QgsVectorLayer,
 )
 from qgis.PyQt.QtCore import QDateTime, QPoint, Qt, QTimer
 from qgis.PyQt.QtTest import QTest
@@ -27,8 +31,11 @@ from qgis.PyQt.QtWidgets import QDockWidget
 from qgis.utils import iface, plugins
 
 PLACE = (46.53, 8.61)
-# From Zurich to Milan in the projection of web maps, metres.
+# A place between towns.
+SITE = (46.30, 8.79)
+# From Zurich to Milan in the projection of web maps, metres; and what lies around the site.
 EXTENT = QgsRectangle(820_000, 5_600_000, 1_110_000, 6_000_000)
+SITE_EXTENT = QgsRectangle(912_000, 5_715_000, 1_045_000, 5_865_000)
 
 
 def wait_for(what: str, is_there: Callable[[], object], seconds: float = 60) -> None:
@@ -55,10 +62,15 @@ def click(latitude_deg: float, longitude_deg: float) -> None:
     QTest.mouseClick(iface.mapCanvas().viewport(), Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, at)
 
 
+def tiles(server: str, layer: str, title: str) -> QgsRasterLayer:
+    """Map tiles of the demo."""
+    url = f"{server}/api/v1/scenes/demo/tiles/{layer}/{{z}}/{{x}}/{{y}}.png"
+    return QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=10", title, "wms")
+
+
 def base_layer(server: str) -> None:
     """The terrain of the demo, in the projection of web maps."""
-    url = f"{server}/api/v1/scenes/demo/tiles/elevation/{{z}}/{{x}}/{{y}}.png"
-    layer = QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=10", "Terrain", "wms")
+    layer = tiles(server, "elevation", "Terrain")
     QgsProject.instance().setCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
     # Grey, so that colours are those of the lights.
     layer.hueSaturationFilter().setSaturation(-75)
@@ -71,14 +83,53 @@ def base_layer(server: str) -> None:
     iface.mapCanvas().refresh()
 
 
-def settle_picture() -> None:
-    """Waits for the map, and writes a picture of the window where one is wanted."""
-    path = os.environ.get("SKYGLOW_QGIS_PICTURE")
+def settle_picture(wanted: str) -> None:
+    """Waits for the map, and writes a picture of the window where the variable names a file for one."""
+    path = os.environ.get(wanted)
     if path is None:
         return
-    end = time.monotonic() + 6
-    wait_for("time to draw", lambda: time.monotonic() > end)
+    # Tiles come one after the other, and each is drawn anew.
+    drawn = time.monotonic()
+
+    def is_settled() -> bool:
+        nonlocal drawn
+        if iface.mapCanvas().isDrawing():
+            drawn = time.monotonic()
+        return time.monotonic() > drawn + 4
+
+    wait_for("map without changes", is_settled, 120)
     iface.mainWindow().grab().save(path)
+
+
+def plan_layer(influence: str) -> dict[str, object]:
+    """What to dim for a site, by the processing algorithm, in place of the layer of influences."""
+    import processing
+
+    project = QgsProject.instance()
+    node = project.layerTreeRoot().findLayer(influence)
+    node.setItemVisibilityChecked(False)
+    node.setExpanded(False)
+    lights = tiles(os.environ["SKYGLOW_URL"], "radiance", "Lights today")
+    lights.hueSaturationFilter().setSaturation(-100)
+    project.addMapLayer(lights)
+    sites = QgsVectorLayer("Point?crs=EPSG:4326", "Site: 30 % darker", "memory")
+    site = QgsFeature(sites.fields())
+    site.setGeometry(QgsGeometry.fromPointXY(QgsPointXY(SITE[1], SITE[0])))
+    sites.dataProvider().addFeature(site)
+    marker = QgsMarkerSymbol.createSimple(
+        {"name": "cross_fill", "color": "white", "size": "4", "outline_color": "black"}
+    )
+    sites.renderer().setSymbol(marker)
+    project.addMapLayer(sites)
+    before = set(project.mapLayers())
+    results = processing.runAndLoadResults("skyglow:plan", {"SITES": sites, "OUTPUT": "TEMPORARY_OUTPUT"})
+    (added,) = set(project.mapLayers()) - before
+    project.layerTreeRoot().findLayer(added).setExpanded(True)
+    project.layerTreeRoot().findLayer(lights).setExpanded(False)
+    layer = project.mapLayer(added)
+    items = layer.renderer().shader().rasterShaderFunction().colorRampItemList()
+    numbers = {name: results[name] for name in ("FLUX_REMOVED_PERCENT", "SITES_MET")}
+    return {"name": layer.name(), "legend": [item.label for item in items], **numbers}
 
 
 def look() -> dict[str, object]:
@@ -124,7 +175,14 @@ def look() -> dict[str, object]:
     items = layer.renderer().shader().rasterShaderFunction().colorRampItemList()
     said["legend"] = [[item.value, item.label] for item in items[:-1]]
     wait_for("button", dock.influence.isEnabled)
-    settle_picture()
+    settle_picture("SKYGLOW_QGIS_PICTURE")
+
+    dock.at_time.setChecked(False)
+    iface.mapCanvas().setExtent(SITE_EXTENT)
+    click(*SITE)
+    wait_for("answer at the site", lambda: not dock.asker.is_waiting())
+    said["plan"] = plan_layer(added)
+    settle_picture("SKYGLOW_QGIS_PLAN_PICTURE")
 
     click(20.0, 60.0)
     wait_for("answer outside", lambda: not dock.asker.is_waiting())

@@ -64,6 +64,14 @@ class Window(unittest.TestCase):
         self.assertEqual(label, "0.3–1 %")
         self.assertIn(f"{latitude_deg:.4f}", self.said["influence"])
 
+    def test_a_plan_is_a_styled_layer(self) -> None:
+        """The algorithm's raster comes into the project under its name, with its classes, and its site is met."""
+        plan = self.said["plan"]
+        self.assertEqual(plan["name"], "What to dim: part of the light that goes")
+        self.assertGreater(len(plan["legend"]), 3)
+        self.assertEqual(plan["SITES_MET"], 1)
+        self.assertTrue(0 < plan["FLUX_REMOVED_PERCENT"] < 30)
+
     def test_a_place_outside_says_so(self) -> None:
         """There is no old picture, and no button that would do nothing."""
         headline, has_no_picture, has_influence = self.said["outside"]

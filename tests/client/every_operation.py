@@ -69,6 +69,7 @@ while call(by_id["get_job"], job=job).parsed.state in ("queued", "running"):
 region = InfluenceBody.from_dict({"region": [[0, 20], [90, 20], [45, 60]]})
 
 given = {**sites, "plan": plan, "job": job, "scenario": scenario, "kind": "busy", "z": 7, "x": 67, "y": "45"}
+given |= {"tile_matrix": 7, "tile_col": 67, "tile_row": 45}
 given |= {"date": "2026-08-20", "month": "2026-08", "name": "Locarno"}
 given |= {"tileset": "brightness", "tms": "WebMercatorQuad", "process": "plan", "item": "radiance"}
 coords = {

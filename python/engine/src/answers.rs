@@ -244,7 +244,7 @@ impl Answers {
         let map = source.influence(request, &view, watch)?;
         let assumptions = Assumptions::of_influences(request, &map, facts);
         let outcome = question.answer(assumptions, &map, watch)?;
-        outcome.encode(SharesFormat::Json).map_err(AppError::internal)
+        outcome.encode(SharesFormat::Json, &[]).map_err(AppError::internal)
     }
 
     fn brightness(&self, asked: &OfScene<'_>, watch: &Watch<'_>) -> Result<Vec<u8>, AppError> {

@@ -202,7 +202,9 @@ def together(skies: Sequence[xarray.Dataset]) -> xarray.Dataset:
         long_name = next(sky[name].attrs["long_name"] for sky in skies if name in sky)
         attributes = next(sky[name].attrs for sky in skies if name in sky)
         whole[name].attrs = {**attributes, "long_name": long_name.rsplit(", ", 1)[0]}
-    return whole.assign(radiance=first["radiance"], horizon=first["horizon"])
+    whole = whole.assign(radiance=first["radiance"], horizon=first["horizon"])
+    # No variable has its second dimension, so none brings it along.
+    return whole.assign_coords(wavelength_bounds=first["wavelength_bounds"].variable)
 
 
 def of_layer(layer: xarray.DataArray) -> xarray.Dataset:

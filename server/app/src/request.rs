@@ -15,6 +15,7 @@ mod places;
 mod plan;
 mod plan_body;
 mod points;
+mod reference;
 mod scenario;
 mod shares;
 mod skies;
@@ -30,7 +31,7 @@ pub use brightness::brightness;
 pub use darker::{DarkerQuestion, darker};
 pub use edr::{
     AreaRequest, MapRequest, PositionRequest, TrajectoryRequest, area, document_format, map, position,
-    trajectory,
+    process_limit, trajectory,
 };
 pub use emission::{EmissionBody, GarstangLawBody};
 pub use execution::{Execution, ExecutionBody, Process, execution};
@@ -42,7 +43,7 @@ pub use places::{FoundPlace, world_places};
 pub use plan::{PlanStoreRequest, plan, plan_limit};
 pub use plan_body::{PlanBody, SiteBody};
 pub use scenario::{AreaBody, BrushBody, EditBody, FixtureBody, LampBody, ScenarioBody, scenario};
-pub use shares::{AreaSharesRequest, NamedArea, SharesRequest, area_shares, shares};
+pub use shares::{AreaSharesRequest, NamedArea, SharesRequest, area_features, area_shares, shares};
 pub use skies::{MAX_SKIES, SkiesBody, SkiesRequest, SkyOfMany, skies};
 pub use view::PictureRequest;
 

@@ -1,13 +1,14 @@
 //! Shares as the bytes of a file: what the HTTP interface answers and the command line writes.
 
 use crate::{
-    answers::{AreaSharesAnswer, Assumptions, PartAnswer, SharesAnswer},
+    answers::{AreaShare, AreaSharesAnswer, Assumptions, PartAnswer, PlaceShare, SharesAnswer},
     error::AppError,
-    influence_file::{InfluenceFileError, csv_table, with_unit},
+    influence_file::{InfluenceFileError, csv_table, feature_collection, with_unit},
     parquet_table::{self, ParquetTable},
-    request::{AreaSharesRequest, SharesRequest},
+    request::{AreaSharesRequest, SharesRequest, area_features},
 };
 use serde::Serialize;
+use serde_json::{Map, Value, json};
 use skyglow_observatory::{InfluenceMap, Watch};
 
 /// A format of shares.
@@ -19,6 +20,8 @@ pub enum SharesFormat {
     Csv,
     /// The same table, in Parquet.
     Parquet,
+    /// The places as points, or the areas as they were posted, with their shares.
+    GeoJson,
 }
 
 impl SharesFormat {
@@ -28,6 +31,7 @@ impl SharesFormat {
             SharesFormat::Json => "application/json",
             SharesFormat::Csv => "text/csv",
             SharesFormat::Parquet => parquet_table::MEDIA_TYPE,
+            SharesFormat::GeoJson => "application/geo+json",
         }
     }
 }
@@ -118,9 +122,11 @@ impl SharesOutcome {
 
     /// As a file.
     ///
+    /// * `areas`: the body that the question came with, which has the shapes of areas; empty for places.
+    ///
     /// # Errors
     /// [`InfluenceFileError`], only by a defect.
-    pub fn encode(&self, format: SharesFormat) -> Result<Vec<u8>, InfluenceFileError> {
+    pub fn encode(&self, format: SharesFormat, areas: &[u8]) -> Result<Vec<u8>, InfluenceFileError> {
         match (format, self) {
             (SharesFormat::Json, answer) => Ok(serde_json::to_vec(answer)?),
             (SharesFormat::Csv, Self::Places(answer)) => {
@@ -135,8 +141,44 @@ impl SharesOutcome {
             (SharesFormat::Parquet, Self::Areas(answer)) => {
                 parquet(area_rows(answer), &answer.unit, &answer.assumptions)
             }
+            (SharesFormat::GeoJson, Self::Places(answer)) => {
+                let place = |place: &PlaceShare| [place.longitude_deg, place.latitude_deg];
+                geojson(feature_collection(answer.places.clone(), place)?, answer)
+            }
+            (SharesFormat::GeoJson, Self::Areas(answer)) => {
+                geojson(areas_with_shares(answer, areas)?, answer)
+            }
         }
     }
+}
+
+/// The areas as they were posted, with their own properties beside the shares, the largest first.
+fn areas_with_shares(
+    answer: &AreaSharesAnswer,
+    areas: &[u8],
+) -> Result<Map<String, Value>, InfluenceFileError> {
+    let mut features: Vec<_> = area_features(areas)?.into_iter().map(Some).collect();
+    let feature = |area: &AreaShare| -> Result<Option<Value>, serde_json::Error> {
+        let Value::Object(shares) = serde_json::to_value(area)? else { return Ok(None) };
+        let posted = features.get_mut(area.feature - 1).and_then(Option::take);
+        posted.map(|posted| serde_json::to_value(posted.with(shares))).transpose()
+    };
+    let features: Vec<Option<Value>> = answer.areas.iter().map(feature).collect::<Result<_, _>>()?;
+    let features: Vec<Value> = features.into_iter().flatten().collect();
+    let collection = [("type", json!("FeatureCollection")), ("features", json!(features))];
+    Ok(collection.map(|(name, value)| (name.to_owned(), value)).into_iter().collect())
+}
+
+/// Features, and beside them what else the answer says: sums of what is in none of them, and what they depend on.
+fn geojson(
+    mut collection: Map<String, Value>,
+    answer: &impl Serialize,
+) -> Result<Vec<u8>, InfluenceFileError> {
+    if let Value::Object(facts) = serde_json::to_value(answer)? {
+        let listed = |name: &str| name == "places" || name == "areas";
+        collection.extend(facts.into_iter().filter(|(name, _)| !listed(name)));
+    }
+    Ok(serde_json::to_vec(&collection)?)
 }
 
 fn parquet(

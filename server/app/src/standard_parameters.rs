@@ -7,6 +7,8 @@ use crate::parameters::{
 };
 use utoipa::openapi::path::{Parameter as ApiParameter, ParameterIn};
 
+/// Entries of a list at most.
+pub const MAX_LIST_LIMIT: u32 = 10_000;
 /// Most pixels of a map along either side.
 pub const MAX_MAP_PX: u32 = 2048;
 
@@ -44,6 +46,8 @@ parameters! {
     COVERAGE_FORMAT = "f", Kind::Choice(&["CoverageJSON"]), "CoverageJSON", false;
     /// The format.
     DOCUMENT_FORMAT = "f", Kind::Choice(&["json"]), "json", false;
+    /// Entries of the list at most.
+    LIST_LIMIT = "limit", Kind::Integer { minimum: 1, maximum: MAX_LIST_LIMIT }, "10", false;
     /// The format.
     MAP_FORMAT = "f", Kind::Choice(&["png"]), "png", false;
     /// When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`.
@@ -65,6 +69,8 @@ parameters! {
 parameter_sets! {
     /// Those of documents.
     DocumentParameters = [DOCUMENT_FORMAT];
+    /// Those of the list of processes.
+    ProcessListParameters = [LIST_LIMIT, DOCUMENT_FORMAT];
     /// Those of a position.
     PositionParameters = [
         POINT_COORDS, PARAMETER_NAME, DATETIME, CRS, COVERAGE_FORMAT, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, EMISSION, DIRECT_UPLIGHT,

@@ -147,6 +147,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/ogc/collections/{scene}/map/tiles/{tileset}/{tileMatrix}/{tileRow}/{tileCol}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** A tile of a tile set of OGC API – Tiles: the map tile of that layer. Beyond the limits of the set there is none. */
+        get: operations["get_tileset_tile"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/ogc/collections/{scene}/position": {
         parameters: {
             query?: never;
@@ -1061,6 +1078,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/scenes/{scene}/shares.geojson": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description A light belongs to the place that is nearest in units of the place's own radius, which grows with its inhabitants. */
+        get: operations["get_shares_geojson"];
+        put?: never;
+        /**
+         * @description The body is a GeoJSON FeatureCollection of Polygons and MultiPolygons, such as municipalities. Every feature gets its
+         *     share under its own name.
+         */
+        post: operations["post_shares_geojson"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/scenes/{scene}/shares.parquet": {
         parameters: {
             query?: never;
@@ -1945,7 +1983,7 @@ export interface components {
         EmissionBody: string | number[] | components["schemas"]["GarstangLawBody"];
         /** @description What a process is executed with. */
         ExecutionBody: {
-            /** @description The inputs by their names, as values. */
+            /** @description The inputs by their names: values, objects with a `value`, or with an `href` whose scheme is `data`. */
             inputs: Record<string, unknown>;
             /** @description The outputs that are wanted; there is one. */
             outputs?: Record<string, unknown> | null;
@@ -4362,6 +4400,130 @@ export interface operations {
             };
         };
     };
+    get_tileset_tile: {
+        parameters: {
+            query?: {
+                /** @description What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the horizontal illuminance, what the ground has. Allowed: zenith, mean, horizontal. */
+                measure?: "zenith" | "mean" | "horizontal";
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+                /** @description `brightness`, `radiance` (which takes `scenario` alone) or `elevation` (which takes nothing) */
+                tileset: string;
+                /** @description The tile matrix: a zoom level */
+                tileMatrix: number;
+                /** @description Row, from the north */
+                tileRow: number;
+                /** @description Column, from 180° west */
+                tileCol: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The tile */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
+                };
+            };
+            /** @description The client has this answer already */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene, tile set or scenario, or the tile lies beyond the limits */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_position: {
         parameters: {
             query: {
@@ -4847,6 +5009,8 @@ export interface operations {
     get_processes: {
         parameters: {
             query?: {
+                /** @description Entries of the list at most. Allowed: a whole number from 1 to 10000. */
+                limit?: number;
                 /** @description The format. Allowed: json. */
                 f?: "json";
             };
@@ -11087,6 +11251,302 @@ export interface operations {
                 };
                 content: {
                     "text/csv": string;
+                };
+            };
+            /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobAnswer"];
+                };
+            };
+            /** @description Bad parameters, or a body that cannot be meant */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_shares_geojson: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description Number of the named places with the largest shares that are listed; the others are summed up. Allowed: a whole number from 1 to 10000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/geo+json": Record<string, unknown>;
+                };
+            };
+            /** @description The client has this answer already; nothing was computed */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Bad parameters */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or key that nobody has */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description No such scene or scenario, or the place lies outside it: then with its bounds */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The scenario is a plan for an earlier state of the scene */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Altitude or turbidity out of range */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests; Retry-After says when to try again */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Busy; Retry-After says when to try again */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    post_shares_geojson: {
+        parameters: {
+            query: {
+                /** @description Latitude of the place, WGS84. Allowed: -90 to 90 degrees. */
+                lat: number;
+                /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
+                lon: number;
+                /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
+                height?: number;
+                /** @description Altitude of the observer above sea level, instead of terrain and height; below 0 counts as 0. The resident packs narrow the range. Allowed: -1000 to 100000 m. */
+                altitude?: number;
+                /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
+                turbidity?: number;
+                /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */
+                scattering?: "single" | "multiple";
+                /** @description Lamp, whose spectrum decides how much of each colour goes with what the satellite saw: a named one; a mix of named ones by their shares of the lumens, `hps:0.7,led_4000k:0.3`; flux in R, G, B (600–700, 500–600, 400–500 nm) per flux that the satellite saw, `r,g,b`; or a spectrum of your own, relative power at ascending wavelengths, `400:0,450:1.2,500:0.4`. Allowed: neutral, mixed, incandescent, hps, hps_colour_enhanced, lps, pc_amber, led_2700k, led_3000k, led_4000k, led_5000k, led_6500k, led_hybrid, led_rgb, led_violet_2700k, led_violet_4000k, metal_halide_3000k, metal_halide, metal_halide_ceramic, mercury, fluorescent, fluorescent_three_band, a mix of up to eight of them by shares of lumens (name:share,name:share), three numbers r,g,b from 0 to 100, not all 0, or a spectrum nm:power,nm:power,... that the satellite sees. */
+                lamp?: string;
+                /** @description What sees the sky: the light-adapted eye (`photopic`), the dark-adapted one (`scotopic`), the filters B, V and R of Johnson and Cousins, a Sky Quality Meter (`sqm`), body clocks of mammals (`melanopic`), the satellite (`dnb`), or a curve of your own per energy, `400:0,500:1,600:0`. Numbers named after a luminance stay photopic; `seen` has the response's. Allowed: photopic, scotopic, johnson_b, johnson_v, johnson_r, sqm, melanopic, dnb, or a curve nm:value,nm:value,... within 380 to 900 nm. */
+                response?: string;
+                /** @description How lights spread over the zenith angle. `modern_city`, `garstang_1986` and `full_cutoff` are Garstang's law with 0.02, 0.15 and 0 of the lamps' light above the horizon directly, over ground that reflects 0.15; `lambert` is light from the ground alone. `garstang` and `shielded` are older names of `garstang_1986` and `full_cutoff`. Allowed: modern_city, garstang_1986, full_cutoff, lambert, garstang, shielded, or three weights lambert,horizon,oblique that are not negative and not all 0. */
+                emission?: string;
+                /** @description Share F of the lamps' light that goes above the horizon directly, instead of that of the named emission: lobes have the weights G(1−F) of lambert and F of horizon. Allowed: 0 to 1. */
+                direct_uplight?: number;
+                /** @description Share G of the rest of the lamps' light that the ground sends back, instead of that of the named emission. Allowed: 0 to 1. */
+                ground_reflectance?: number;
+                /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
+                emission_keep?: "flux" | "nadir_radiance";
+                /** @description Number of basis functions; the default is all that are resident, and no more can be had. Allowed: a whole number from 1 to 256. */
+                basis?: number;
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
+                /** @description Share of that layer that is cloud, under a sky of gaps: the answer is the mean of all patterns of clouds, unless `cloud_pattern` names one. 1 is the closed layer. With `clouds` alone. Allowed: 0 to 1. */
+                cloud_cover?: number;
+                /** @description One pattern of clouds of that cover, instead of the mean of all. With `cloud_cover` alone. Allowed: a whole number from 1 to 65535. */
+                cloud_pattern?: number;
+                /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
+                terrain?: "on" | "off";
+                /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
+                tolerance?: number;
+                /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
+                scenario?: string;
+                /** @description What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up. Allowed: zenith, mean, horizontal, region. */
+                measure?: "zenith" | "mean" | "horizontal" | "region";
+                /** @description A closed curve on the sky, corner by corner; its sides are great circles, the last corner is joined to the first. Directions that it winds around are inside: it may pass north, hold or touch the zenith, and cross itself. Allowed: 3 to 1000 corners azimuth,elevation in degrees, elevation 0 to 90, with semicolons between, such as 10,20;50,20;30,60. */
+                region?: string;
+                /** @description The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case. Allowed: 1 to 64 characters, the name of a property that features have. */
+                name_field?: string;
+            };
+            header?: never;
+            path: {
+                /** @description The scene's id */
+                scene: string;
+            };
+            cookie?: never;
+        };
+        /** @description A GeoJSON FeatureCollection */
+        requestBody: {
+            content: {
+                "application/json": Record<string, unknown>;
+            };
+        };
+        responses: {
+            /** @description The shares, the largest first */
+            200: {
+                headers: {
+                    /** @description What the sky had to do without, where anything: the same as `warnings` in JSON */
+                    "skyglow-warnings"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/geo+json": Record<string, unknown>;
                 };
             };
             /** @description With `Prefer: respond-async`: it is begun, and Location is the address of the job */

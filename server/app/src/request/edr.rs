@@ -21,6 +21,8 @@ use skyglow_scene::SceneId;
 
 /// Points of a trajectory at most.
 const MAX_TRAJECTORY_POINTS: usize = 100;
+/// Entries of a list where nobody says how many.
+const DEFAULT_LIST_LIMIT: u32 = 10;
 /// Width of a map where nobody says its size, pixels.
 const DEFAULT_MAP_PX: f64 = 1024.0;
 
@@ -76,6 +78,18 @@ pub fn document_format(query: Option<&str>) -> Result<(), AppError> {
     let mut reader = Reader::new(query, p::DocumentParameters::ALL);
     reader.choice(&p::DOCUMENT_FORMAT);
     reader.finish()
+}
+
+/// Reads how many processes are listed at most.
+///
+/// # Errors
+/// [`AppError::Parameters`].
+pub fn process_limit(query: Option<&str>) -> Result<usize, AppError> {
+    let mut reader = Reader::new(query, p::ProcessListParameters::ALL);
+    let limit = reader.integer(&p::LIST_LIMIT);
+    reader.choice(&p::DOCUMENT_FORMAT);
+    reader.finish()?;
+    Ok(limit.unwrap_or(DEFAULT_LIST_LIMIT) as usize)
 }
 
 /// Reads the parameters of a position.

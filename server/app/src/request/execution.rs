@@ -1,6 +1,6 @@
 //! Executions of processes (OGC API – Processes 18-062r2): their inputs become the query and the body of the request that does it.
 
-use super::area::without_byte_order_mark;
+use super::{area::without_byte_order_mark, reference::value_at};
 use crate::{
     error::AppError,
     parameters::{InfluenceParameters, Parameter, ParameterSet, PlanParameters},
@@ -92,7 +92,7 @@ impl Process {
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExecutionBody {
-    /// The inputs by their names, as values.
+    /// The inputs by their names: values, objects with a `value`, or with an `href` whose scheme is `data`.
     #[schema(value_type = Object)]
     pub inputs: Map<String, Value>,
     /// The outputs that are wanted; there is one.
@@ -200,11 +200,11 @@ fn inputs(process: Process) -> Vec<&'static str> {
     std::iter::once("scene").chain(names).collect()
 }
 
-/// An input's value, which may stand in an object that describes it.
+/// An input's value, which may stand in an object that describes it or refers to it.
 fn value_of(value: Value) -> Result<Value, &'static str> {
     let Value::Object(mut fields) = value else { return Ok(value) };
-    if fields.contains_key("href") {
-        return Err("is a reference: inputs are given as values here");
+    if let Some(href) = fields.get("href") {
+        return value_at(href.as_str().unwrap_or_default());
     }
     let describes = |name: &String| ["value", "mediaType", "encoding", "schema"].contains(&name.as_str());
     if fields.contains_key("value") && fields.keys().all(describes) {
@@ -276,6 +276,8 @@ mod tests {
         assert_eq!((asked.scene.as_str(), asked.as_document), ("demo", true));
         assert_eq!(asked.query, "lat=46.5&lon=8.6&measure=horizontal");
         assert_eq!(serde_json::from_slice::<Value>(&asked.body).unwrap(), json!({ "boundary": square }));
+        let inputs = json!({"scene": {"href": "data:,demo"}, "lat": {"href": "data:application/json,46.5"}, "lon": 8.6});
+        assert_eq!(read(Process::Influence, &json!({"inputs": inputs})).unwrap().query, "lat=46.5&lon=8.6");
         let curve = json!([[0, 20], [90, 20], [45, 60]]);
         let inputs = json!({"scene": "demo", "lat": 46.5, "lon": 8.6, "region": curve});
         assert_eq!(

@@ -35,6 +35,52 @@ impl BoundaryBody {
     }
 }
 
+impl FeatureBody {
+    /// The feature with further properties beside its own. Its outer rings run counter-clockwise (RFC 7946, 3.1.6), however they came.
+    pub fn with(self, further: serde_json::Map<String, serde_json::Value>) -> geojson::Feature {
+        let (id, mut geometry) = match self.area.0 {
+            geojson::GeoJson::Feature(feature) => (feature.id, feature.geometry),
+            geojson::GeoJson::Geometry(geometry) => (None, Some(geometry)),
+            geojson::GeoJson::FeatureCollection(_) => (None, None),
+        };
+        if let Some(geometry) = &mut geometry {
+            turn(&mut geometry.value);
+        }
+        let mut properties = self.properties;
+        properties.extend(further);
+        geojson::Feature { id, geometry, properties: Some(properties), ..geojson::Feature::default() }
+    }
+}
+
+/// Turns rings that run the wrong way.
+fn turn(geometry: &mut geojson::GeometryValue) {
+    use geojson::GeometryValue as Value;
+    let turn_polygon = |polygon: &mut Vec<Vec<geojson::Position>>| {
+        for (number, ring) in polygon.iter_mut().enumerate() {
+            if (number == 0) != (twice_area(ring) >= 0.0) {
+                ring.reverse();
+            }
+        }
+    };
+    match geometry {
+        Value::Polygon { coordinates } => turn_polygon(coordinates),
+        Value::MultiPolygon { coordinates } => coordinates.iter_mut().for_each(turn_polygon),
+        Value::GeometryCollection { geometries } => {
+            geometries.iter_mut().for_each(|geometry| turn(&mut geometry.value));
+        }
+        _ => {}
+    }
+}
+
+/// Twice the area that a ring bounds, square degrees: positive where it runs counter-clockwise (shoelace formula).
+fn twice_area(ring: &[geojson::Position]) -> f64 {
+    let side = |two: &[geojson::Position]| match [two[0].as_slice(), two[1].as_slice()] {
+        [[x0, y0, ..], [x1, y1, ..]] => (x1 - x0) * (y0 + y1),
+        _ => 0.0,
+    };
+    -ring.windows(2).map(side).sum::<f64>()
+}
+
 /// Why GeoJSON names no area.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum AreaError {
@@ -107,4 +153,30 @@ fn rings(polygon: &[Vec<geojson::Position>]) -> Result<Vec<Vec<Position>>, AreaE
         _ => Err(AreaError::NoPosition),
     };
     polygon.iter().map(|ring| ring.iter().map(position).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// Features keep their own properties and ids, and their rings run as the standard wants, holes the other way.
+    #[test]
+    fn features_come_back_right_handed() {
+        let outer = json!([[8.0, 46.0], [9.0, 46.0], [9.0, 47.0], [8.0, 47.0], [8.0, 46.0]]);
+        let clockwise = json!([[8.0, 46.0], [8.0, 47.0], [9.0, 47.0], [9.0, 46.0], [8.0, 46.0]]);
+        let hole = json!([[8.4, 46.4], [8.4, 46.6], [8.6, 46.6], [8.4, 46.4]]);
+        let turned_hole = json!([[8.4, 46.4], [8.6, 46.6], [8.4, 46.6], [8.4, 46.4]]);
+        for rings in [json!([outer, hole]), json!([clockwise, hole]), json!([clockwise, turned_hole])] {
+            let feature = json!({"type": "Feature", "id": 7, "properties": {"code": 5113, "name": "a"},
+                                 "geometry": {"type": "MultiPolygon", "coordinates": [rings]}});
+            let body: BoundaryBody = serde_json::from_value(feature).unwrap();
+            let further = json!({"name": "b", "share": 0.25}).as_object().unwrap().clone();
+            let feature = body.into_features().remove(0).with(further);
+            let expected = json!({"type": "Feature", "id": 7,
+                                  "properties": {"code": 5113, "name": "b", "share": 0.25},
+                                  "geometry": {"type": "MultiPolygon", "coordinates": [[outer, hole]]}});
+            assert_eq!(serde_json::to_value(feature).unwrap(), expected);
+        }
+    }
 }

@@ -124,8 +124,8 @@ fn read_shared(reader: &mut Reader, scene: SceneId, facts: &SourceFacts) -> Opti
 }
 
 fn read_areas(reader: &mut Reader, body: &[u8]) -> Vec<NamedArea> {
-    let features = match serde_json::from_slice::<BoundaryBody>(without_byte_order_mark(body)) {
-        Ok(body) => body.into_features(),
+    let features = match area_features(body) {
+        Ok(features) => features,
         Err(error) => {
             reader.fail_body("body", &other_format(body).unwrap_or_else(|| error.to_string()), AREAS_ALLOWED);
             return Vec::new();
@@ -162,6 +162,14 @@ fn read_areas(reader: &mut Reader, body: &[u8]) -> Vec<NamedArea> {
         }
     }
     areas
+}
+
+/// The features of a body that [`area_shares`] took, in their order.
+///
+/// # Errors
+/// Only where it would not have taken it.
+pub fn area_features(body: &[u8]) -> Result<Vec<FeatureBody>, serde_json::Error> {
+    Ok(serde_json::from_slice::<BoundaryBody>(without_byte_order_mark(body))?.into_features())
 }
 
 /// The name of a feature: that of the field asked for, or of the usual ones the first that it has.

@@ -33,7 +33,7 @@ pub(crate) struct Shares {
     /// The property of the areas that holds their names, where it is not a usual one
     #[arg(long, env = "SKYGLOW_NAME_FIELD", value_name = "NAME", requires = "areas")]
     name_field: Option<String>,
-    /// File to write instead of a table on the screen: .csv, .parquet or .json
+    /// File to write instead of a table on the screen: .csv, .parquet, .geojson (areas as they came, with their shares) or .json
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
     output: Option<(PathBuf, SharesFormat)>,
     #[command(flatten)]
@@ -51,7 +51,8 @@ fn output(text: &str) -> Result<(PathBuf, SharesFormat), String> {
         Some("csv") => Ok((path, SharesFormat::Csv)),
         Some("json") => Ok((path, SharesFormat::Json)),
         Some("parquet") => Ok((path, SharesFormat::Parquet)),
-        _ => Err("the ending must be .csv, .parquet or .json".to_owned()),
+        Some("geojson") => Ok((path, SharesFormat::GeoJson)),
+        _ => Err("the ending must be .csv, .parquet, .geojson or .json".to_owned()),
     }
 }
 
@@ -80,7 +81,8 @@ impl Shares {
         let outcome = question.answer(assumptions, &map, &|_| true).map_err(failure)?;
         match &self.output {
             Some((path, format)) => {
-                let bytes = outcome.encode(*format).map_err(Failure::work)?;
+                let posted = areas.as_deref().unwrap_or_default();
+                let bytes = outcome.encode(*format, posted).map_err(Failure::work)?;
                 std::fs::write(path, bytes).map_err(|error| Failure::file(path, error))
             }
             None if self.json.json => print::print_json(&outcome),

@@ -22,8 +22,8 @@ use axum::{
 use serde_json::{Value, json};
 use skyglow_app::{
     answers::standards::{process_description, process_list, status_info},
-    request::{Execution, ExecutionBody, Process, execution, no_parameters},
-    standard_parameters::DocumentParameters,
+    request::{Execution, ExecutionBody, Process, execution, no_parameters, process_limit},
+    standard_parameters::{DocumentParameters, ProcessListParameters},
 };
 
 /// Longest output that is put into a document, bytes.
@@ -38,7 +38,7 @@ fn process_of(id: &str) -> Result<Process, ApiError> {
     get,
     path = "/api/ogc/processes",
     tag = "standards",
-    params(DocumentParameters),
+    params(ProcessListParameters),
     responses((status = 200, description = "The processes", body = Object), BadParameters)
 )]
 pub async fn get_processes(
@@ -46,7 +46,8 @@ pub async fn get_processes(
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Answer {
-    constant(query.as_deref(), &headers, &process_list(&address.links()))
+    let limit = process_limit(query.as_deref())?;
+    constant(None, &headers, &process_list(&address.links(), limit))
 }
 
 /// A process with its inputs and its output.

@@ -80,11 +80,11 @@ macro_rules! formats {
             body: Bytes,
         ) -> Result<Response<Body>, ApiError> {
             let (id, tag) = (scene_id(&scene)?, ETag::of_bytes(&body).header());
-            let query_again = query.clone();
+            let posted = Posted { query: query.clone(), tag, areas: body.clone() };
             // A body may be megabytes.
             let read = move |source: &dyn SkySource| Ok(area_shares(query.as_deref(), &body, id, source.facts())?);
             let request = state.blocking(read).await?;
-            answer(state, SharesQuestion::Areas(request), Some((query_again, tag)), &headers, $format).await
+            answer(state, SharesQuestion::Areas(request), Some(posted), &headers, $format).await
         }
     )*};
 }
@@ -95,13 +95,24 @@ formats! {
         ", as a table whose shares add up to 1.";
     get_shares_parquet, post_shares_parquet, ".parquet", SharesFormat::Parquet, String, String,
         "application/vnd.apache.parquet", ", as a table in Parquet, as the CSV's.";
+    get_shares_geojson, post_shares_geojson, ".geojson", SharesFormat::GeoJson, Object, Object, "application/geo+json",
+        ", as GeoJSON: places are points, areas come as they were posted, with their own properties, the largest share first. \
+         Beside the features stand the sums of what is in none of them, and the assumptions.";
 }
 
-/// * `body`: query and tag of the body of a post.
+/// What came with a post.
+struct Posted {
+    query: Option<String>,
+    /// The tag of its body.
+    tag: String,
+    /// The body.
+    areas: Bytes,
+}
+
 async fn answer(
     state: AppState,
     question: SharesQuestion,
-    body: Option<(Option<String>, String)>,
+    posted: Option<Posted>,
     headers: &HeaderMap,
     format: SharesFormat,
 ) -> Result<Response<Body>, ApiError> {
@@ -114,7 +125,8 @@ async fn answer(
     if let SharesQuestion::Areas(areas) = &question {
         areas.check_within(prepared.view().metadata().bounds)?;
     }
-    let is_get = body.is_none();
+    let is_get = posted.is_none();
+    let body = posted.as_ref().map(|posted| (&posted.query, &posted.tag));
     let etag = ETag::of(&("shares", &prepared.key, format.media_type(), limit, body))?;
     let caching = Caching { etag, policy: CachePolicy::Minutes, vary: None };
     if is_get && let Some(response) = caching.not_modified(headers) {
@@ -125,7 +137,8 @@ async fn answer(
         let assumptions = Assumptions::of_influences(&request, &map, state.source.facts());
         let add_up = move |_: &dyn SkySource, work: &Work| {
             let outcome = question.answer(assumptions, &map, &|done| work.note(done))?;
-            let bytes = outcome.encode(format).map_err(ApiError::internal)?;
+            let areas = posted.map(|posted| posted.areas).unwrap_or_default();
+            let bytes = outcome.encode(format, &areas).map_err(ApiError::internal)?;
             Ok((bytes, outcome.assumptions().warnings.clone()))
         };
         let bytes = influence_bytes(prepared.view().max_lit_pixels_around(request.sky.place));

@@ -17,9 +17,10 @@ use axum::{
 use serde::Serialize;
 use skyglow_app::{
     accept::InfluenceFormat,
-    answers::{brightness_shows, measure_name},
+    answers::{brightness_shows, measure_name, standards::is_in_tileset},
     error::AppError,
     negotiated_parameters::OptionalInfluenceParameters,
+    parameters::BrightnessParameters,
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
     source::SkySource,
     validation::echo,
@@ -66,6 +67,9 @@ pub(super) fn layer(name: &str) -> Result<MapLayer, ApiError> {
         })),
     }
 }
+
+/// Pixels a side, unless twice as many are asked for.
+const PLAIN_TILE_PX: u32 = 256;
 
 /// Zoom level, column and row, and pixels a side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -122,6 +126,44 @@ pub async fn get_tile(
         MapLayer::Influence => influence_tile(&asked, id, query.as_deref()).await,
         MapLayer::Brightness => brightness_tile(&asked, id, query.as_deref()).await,
     }
+}
+
+/// A tile of a tile set of OGC API – Tiles: the map tile of that layer. Beyond the limits of the set there is none.
+#[utoipa::path(
+    get,
+    path = "/api/ogc/collections/{scene}/map/tiles/{tileset}/{tileMatrix}/{tileRow}/{tileCol}",
+    tag = "standards",
+    params(
+        ("scene" = String, Path, description = "The scene's id"),
+        ("tileset" = String, Path, description = "`brightness`, `radiance` (which takes `scenario` alone) or `elevation` (which takes nothing)"),
+        ("tileMatrix" = u8, Path, description = "The tile matrix: a zoom level"),
+        ("tileRow" = u32, Path, description = "Row, from the north"),
+        ("tileCol" = u32, Path, description = "Column, from 180° west"),
+        BrightnessParameters,
+    ),
+    responses(
+        (status = 200, description = "The tile", body = Vec<u8>, content_type = "image/png"),
+        (status = 304, description = "The client has this answer already"),
+        OfSky,
+        (status = 404, description = "No such scene, tile set or scenario, or the tile lies beyond the limits", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get_tileset_tile(
+    state: State<AppState>,
+    Path((scene, tileset, matrix, row, column)): Path<(String, String, String, String, String)>,
+    query: RawQuery,
+    headers: HeaderMap,
+) -> Result<Response<Body>, ApiError> {
+    let file = format!("{row}.png");
+    let there = address(&matrix, &column, &file).filter(|address| address.size_px == PLAIN_TILE_PX);
+    let view = state.view(&scene_id(&scene)?, None).await?;
+    let is_there = there
+        .is_some_and(|Address { place: (z, x, y), .. }| is_in_tileset(view.metadata(), &tileset, z, x, y));
+    if !is_there {
+        let reason = "it lies beyond the limits of the tile set".to_owned();
+        return Err(ApiError::App(AppError::UnknownTile { reason }));
+    }
+    get_tile(state, Path((scene, tileset, matrix, column, file)), query, headers).await
 }
 
 /// A request for a tile.
@@ -291,7 +333,7 @@ fn exists(Address { place: (z, x, y), .. }: Address) -> bool {
 /// From the parts of a path.
 fn address(z: &str, x: &str, file: &str) -> Option<Address> {
     let row = file.strip_suffix(".png")?;
-    let (row, size_px) = row.strip_suffix("@2x").map_or((row, 256), |row| (row, 512));
+    let (row, size_px) = row.strip_suffix("@2x").map_or((row, PLAIN_TILE_PX), |row| (row, 2 * PLAIN_TILE_PX));
     Some(Address { place: (z.parse().ok()?, x.parse().ok()?, row.parse().ok()?), size_px })
 }
 

@@ -16,6 +16,7 @@ fn real(path: &str, layer: &str) -> String {
         ("{scene}", "demo"),
         ("{layer}", layer),
         ("{z}/{x}/{y}", "0/0/0"),
+        ("{tileMatrix}/{tileRow}/{tileCol}", "0/0/0"),
         ("{plan}", "p-00000000000000000000"),
         ("{scenario}", "s-00000000000000000000"),
         ("{kind}", "busy"),
@@ -61,7 +62,7 @@ async fn document_and_routes_are_the_same() {
             {
                 503
             }
-            path if path.ends_with("/area") || path.ends_with("/map") => 503,
+            path if ["/area", "/map", "/{tileCol}"].iter().any(|end| path.ends_with(end)) => 503,
             path if ["{plan}", "{scenario}", "{job}"].iter().any(|id| path.contains(id)) => 404,
             // They are only posted to.
             path if ["/skies", "/skies.parquet", "/execution"].iter().any(|end| path.ends_with(end)) => 405,

@@ -43,13 +43,21 @@ async fn links_of_the_landing_page_lead_on() {
     let limits = tileset["tileMatrixSetLimits"].as_array().unwrap().last().unwrap();
     let tile = href(&tileset, "item").replace("{tileMatrix}", limits["tileMatrix"].as_str().unwrap());
     let tile = tile.replace("{tileCol}", &limits["minTileCol"].to_string());
-    let tile = tile.replace("{tileRow}", &limits["maxTileRow"].to_string());
-    let answer = server.client.get(tile).send().await.unwrap();
+    let last_row = limits["maxTileRow"].as_u64().unwrap();
+    let at_row = |row: &str| tile.replace("{tileRow}", row);
+    let answer = server.client.get(at_row(&last_row.to_string())).send().await.unwrap();
     assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, "image/png"));
+    // Beyond the limits there is nothing, as the standard wants, though the layer has blank tiles there.
+    for row in [&(last_row + 1).to_string(), "-1", "1@2x", "north"] {
+        assert_eq!(server.client.get(at_row(row)).send().await.unwrap().status(), 404, "{row}");
+    }
     let processes = at(&server, href(&landing, "http://www.opengis.net/def/rel/ogc/1.0/processes")).await;
     let influence = at(&server, href(&processes["processes"][0], "self")).await;
     assert_eq!(influence["inputs"]["lat"]["schema"]["maximum"], json!(90));
     assert_eq!(influence["inputs"]["lat"]["minOccurs"], 1);
+    let (_, first) = server.json("/api/ogc/processes?limit=1").await;
+    assert_eq!(first["processes"], json!([processes["processes"][0]]));
+    assert_eq!(server.answer("/api/ogc/processes?limit=0").await.status(), 400);
     assert_eq!(server.answer("/api/ogc/collections/demo/map/tiles/influence").await.status(), 404);
     assert_eq!(server.answer("/api/ogc/tileMatrixSets/WorldCRS84Quad").await.status(), 404);
 }

@@ -10,29 +10,33 @@ const CRS84_WKT: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\
      AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],UNIT[\"degree\",0.01745329251994328,\
      AUTHORITY[\"EPSG\",\"9122\"]],AXIS[\"Longitude\",EAST],AXIS[\"Latitude\",NORTH],AUTHORITY[\"OGC\",\"CRS84\"]]";
 
-/// What is conformed to.
-const CONFORMANCE: [&str; 18] = [
-    "http://www.opengis.net/spec/ogcapi-common-1/1.0/conf/core",
-    "http://www.opengis.net/spec/ogcapi-common-1/1.0/conf/json",
-    "http://www.opengis.net/spec/ogcapi-common-2/1.0/conf/collections",
-    "http://www.opengis.net/spec/ogcapi-edr-1/1.1/conf/core",
-    "http://www.opengis.net/spec/ogcapi-edr-1/1.1/conf/collections",
-    "http://www.opengis.net/spec/ogcapi-edr-1/1.1/conf/json",
-    "http://www.opengis.net/spec/ogcapi-edr-1/1.1/conf/covjson",
-    "http://www.opengis.net/spec/ogcapi-tiles-1/1.0/conf/core",
-    "http://www.opengis.net/spec/ogcapi-tiles-1/1.0/conf/tileset",
-    "http://www.opengis.net/spec/ogcapi-tiles-1/1.0/conf/tilesets-list",
-    "http://www.opengis.net/spec/ogcapi-tiles-1/1.0/conf/geodata-tilesets",
-    "http://www.opengis.net/spec/ogcapi-tiles-1/1.0/conf/png",
-    "http://www.opengis.net/spec/tms/2.0/conf/json-tilematrixset",
-    "http://www.opengis.net/spec/ogcapi-maps-1/1.0/conf/core",
-    "http://www.opengis.net/spec/ogcapi-maps-1/1.0/conf/collection-map",
-    "http://www.opengis.net/spec/ogcapi-maps-1/1.0/conf/png",
-    "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/core",
-    "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/json",
+/// The root of the names of classes.
+const SPEC: &str = "http://www.opengis.net/spec";
+/// What is conformed to: a standard, and its classes.
+const CONFORMANCE: [(&str, &[&str]); 7] = [
+    ("ogcapi-common-1/1.0", &["core", "landing-page", "json"]),
+    ("ogcapi-common-2/1.0", &["collections", "json"]),
+    ("ogcapi-edr-1/1.1", &["core", "collections", "json", "covjson"]),
+    ("ogcapi-tiles-1/1.0", &["core", "tileset", "tilesets-list", "geodata-tilesets", "png"]),
+    (
+        "tms/2.0",
+        &[
+            "tilematrixset",
+            "tilematrixsetlimits",
+            "tilesetmetadata",
+            "json-tilematrixset",
+            "json-tilematrixsetlimits",
+            "json-tilesetmetadata",
+        ],
+    ),
+    ("ogcapi-maps-1/1.0", &["core", "collection-map", "png"]),
+    ("ogcapi-processes-1/1.0", &["core", "json", "ogc-process-description", "dismiss"]),
 ];
-const DISMISS: &str = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/dismiss";
-const DESCRIPTION: &str = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/ogc-process-description";
+/// Standards whose text names its classes by https; others have taken them by http since before it was agreed.
+const NAMED_BY_HTTPS: [&str; 2] = ["ogcapi-common-2/1.0", "ogcapi-maps-1/1.0"];
+
+/// How the standard of maps names the relation of a map.
+const MAP_BY_HTTPS: &str = "https://www.opengis.net/def/rel/ogc/1.0/map";
 
 /// The landing page.
 pub fn landing(base: &Base) -> Value {
@@ -42,7 +46,7 @@ pub fn landing(base: &Base) -> Value {
         "keywords": ["light pollution", "night sky brightness", "skyglow"],
         "links": [
             link(&base.ogc(""), "self", JSON, "This document"),
-            link(&base.api("/v1/openapi.json"), "service-desc", "application/vnd.oai.openapi+json;version=3.1", "The interface (OpenAPI)"),
+            link(&base.api("/v1/openapi.json"), "service-desc", JSON, "The interface (OpenAPI 3.1)"),
             link(&base.api("/docs"), "service-doc", "text/html", "The interface, to read and try"),
             link(&base.ogc("/conformance"), "conformance", JSON, "What is conformed to"),
             link(&base.ogc("/conformance"), &format!("{OGC_REL}/conformance"), JSON, "What is conformed to"),
@@ -56,8 +60,12 @@ pub fn landing(base: &Base) -> Value {
 
 /// What is conformed to.
 pub fn conformance() -> Value {
-    let all: Vec<&str> = CONFORMANCE.into_iter().chain([DESCRIPTION, DISMISS]).collect();
-    json!({ "conformsTo": all })
+    let name = |(standard, class): (&str, &&str)| format!("{SPEC}/{standard}/conf/{class}");
+    let names =
+        CONFORMANCE.iter().flat_map(|(standard, classes)| classes.iter().map(|class| (*standard, class)));
+    let is_by_https = |(standard, _): &(&str, &&str)| NAMED_BY_HTTPS.contains(standard);
+    let secure = names.clone().filter(is_by_https).map(|of| name(of).replacen("http:", "https:", 1));
+    json!({ "conformsTo": names.map(name).chain(secure).collect::<Vec<_>>() })
 }
 
 /// All collections.
@@ -99,6 +107,7 @@ pub fn collection(base: &Base, scene: &SceneMetadata) -> Value {
             link(&path("/area"), "data", "application/prs.coverage+json", "The sky over an area"),
             link(&path("/trajectory"), "data", "application/prs.coverage+json", "The skies along a path"),
             link(&path("/map"), &format!("{OGC_REL}/map"), PNG, "The brightness of the sky as a map"),
+            link(&path("/map"), MAP_BY_HTTPS, PNG, "The brightness of the sky as a map"),
             link(&path("/map/tiles"), &format!("{OGC_REL}/tilesets-map"), JSON, "Map tiles"),
             link(&base.api(&format!("/v1/scenes/{}", scene.id)), "describedby", JSON, "The scene"),
             link(&base.stac(&format!("/collections/{}", scene.id)), "alternate", JSON, "The scene's layers as files (STAC)"),

@@ -14,4 +14,4 @@ pub use coverage::{Coverage, area_coverage, position_coverage, trajectory_covera
 pub use grid::LonLatGrid;
 pub use process::{process_description, process_list, status_info};
 pub use stac::{MAX_LAYER_PIXELS, StacItem, stac_catalog, stac_collection, stac_item};
-pub use tileset::{finest_zoom, tile_matrix_set, tile_matrix_sets, tileset, tilesets};
+pub use tileset::{finest_zoom, is_in_tileset, tile_matrix_set, tile_matrix_sets, tileset, tilesets};

@@ -33,9 +33,13 @@ fn summary(base: &Base, process: Process) -> Map<String, Value> {
 }
 
 /// The list of processes.
-pub fn process_list(base: &Base) -> Value {
+///
+/// * `limit`: of them at most.
+pub fn process_list(base: &Base, limit: usize) -> Value {
+    let processes: Vec<_> =
+        Process::ALL.into_iter().take(limit).map(|process| summary(base, process)).collect();
     json!({
-        "processes": Process::ALL.map(|process| summary(base, process)),
+        "processes": processes,
         "links": [link(&base.ogc("/processes"), "self", JSON, "This document")],
     })
 }

@@ -63,8 +63,8 @@ pub fn tileset(base: &Base, scene: &SceneMetadata, layer: &str) -> Option<Value>
         return None;
     }
     let tiles = base.api(&format!("/v1/scenes/{}/tiles/{name}", scene.id));
-    let mut item =
-        link(&format!("{tiles}/{{tileMatrix}}/{{tileCol}}/{{tileRow}}.png"), "item", PNG, "A tile");
+    let own = base.ogc(&format!("/collections/{}/map/tiles/{name}", scene.id));
+    let mut item = link(&format!("{own}/{{tileMatrix}}/{{tileRow}}/{{tileCol}}"), "item", PNG, "A tile");
     item["templated"] = json!(true);
     let mut document = head(base, scene, name, title);
     let collection = base.ogc(&format!("/collections/{}", scene.id));
@@ -87,7 +87,7 @@ pub fn tileset(base: &Base, scene: &SceneMetadata, layer: &str) -> Option<Value>
     document["attribution"] = json!(scene.attribution);
     document["mediaTypes"] = json!([PNG]);
     document["boundingBox"] = json!({"crs": CRS84, "lowerLeft": [west, south], "upperRight": [east, north]});
-    document["tileMatrixSetLimits"] = (0..=finest).map(|zoom| limits(scene, zoom)).collect();
+    document["tileMatrixSetLimits"] = (0..=finest).map(|zoom| limits_document(scene, zoom)).collect();
     if document["attribution"].is_null()
         && let Some(fields) = document.as_object_mut()
     {
@@ -96,17 +96,35 @@ pub fn tileset(base: &Base, scene: &SceneMetadata, layer: &str) -> Option<Value>
     Some(document)
 }
 
-/// The tiles of a zoom level that have something of the scene.
-fn limits(scene: &SceneMetadata, zoom: u8) -> Value {
+/// Columns and rows of a zoom level that have something of the scene, the first and the last.
+fn limits(scene: &SceneMetadata, zoom: u8) -> [[u32; 2]; 2] {
     let [west, south, east, north] = unwrapped(scene);
     // Columns do not go around: what crosses the antimeridian has all of them.
     let columns =
         if east > 180.0 { [0, (1u32 << zoom) - 1] } else { [west, east].map(|at| tile_column(at, zoom)) };
+    [columns, [tile_row(north, zoom), tile_row(south, zoom)]]
+}
+
+fn limits_document(scene: &SceneMetadata, zoom: u8) -> Value {
+    let [columns, rows] = limits(scene, zoom);
     json!({
         "tileMatrix": zoom.to_string(),
         "minTileCol": columns[0], "maxTileCol": columns[1],
-        "minTileRow": tile_row(north, zoom), "maxTileRow": tile_row(south, zoom),
+        "minTileRow": rows[0], "maxTileRow": rows[1],
     })
+}
+
+/// Whether a tile lies within the limits of a tile set.
+///
+/// * `column`, `row`: of the tile at a zoom level.
+pub fn is_in_tileset(scene: &SceneMetadata, layer: &str, zoom: u8, column: u32, row: u32) -> bool {
+    let is_there = LAYERS.iter().any(|(name, _)| *name == layer) && (scene.terrain || layer != "elevation");
+    let within = |[first, last]: [u32; 2], at: u32| (first..=last).contains(&at);
+    let has = |zoom: u8| {
+        let [columns, rows] = limits(scene, zoom);
+        within(columns, column) && within(rows, row)
+    };
+    is_there && zoom <= finest_zoom(scene, layer == "elevation") && has(zoom)
 }
 
 /// The list of tile matrix sets.

@@ -144,6 +144,44 @@ async fn shares_of_areas_keep_their_names() {
     );
 }
 
+/// As GeoJSON areas come back with their own properties, shapes and shares, and places as points; both say the rest beside them.
+#[tokio::test]
+async fn shares_come_as_geojson() {
+    let server = EndToEnd::shared().await;
+    let mut areas = [square("west", 8.0, 45.0, 0.7), square("Milano, province", 8.7, 45.0, 1.0)];
+    areas[1]["properties"]["BFS"] = json!(5113);
+    let plain: Value = post(&server, &format!("?{PLACE}&name_field=GEN"), &areas).await.json().await.unwrap();
+    let answer = post(&server, &format!(".geojson?{PLACE}&name_field=GEN"), &areas).await;
+    assert_eq!((answer.status().as_u16(), header(&answer, "content-type")), (200, "application/geo+json"));
+    let collection: Value = answer.json().await.unwrap();
+    assert_eq!((&collection["type"], &collection["areas"]), (&json!("FeatureCollection"), &Value::Null));
+    for fact in ["measure", "unit", "total", "outside", "shared_pixels", "observer", "warnings"] {
+        assert_eq!(collection[fact], plain[fact], "{fact}");
+    }
+    let features = collection["features"].as_array().unwrap();
+    assert_eq!(features.len(), 2);
+    for (feature, area) in features.iter().zip(plain["areas"].as_array().unwrap()) {
+        let posted = &areas[area["feature"].as_u64().unwrap() as usize - 1];
+        let mut properties = posted["properties"].as_object().unwrap().clone();
+        properties.extend(area.as_object().unwrap().clone());
+        assert_eq!(feature["properties"], Value::Object(properties));
+        assert_eq!(feature["geometry"], posted["geometry"]);
+    }
+    assert_eq!(
+        (&features[0]["properties"]["BFS"], &features[0]["properties"]["rank"]),
+        (&json!(5113), &json!(1))
+    );
+
+    let path = format!("?{PLACE}&limit=4");
+    let (_, plain) = server.json(&format!("/api/v1/scenes/demo/shares{path}")).await;
+    let (_, collection) = server.json(&format!("/api/v1/scenes/demo/shares.geojson{path}")).await;
+    let features = collection["features"].as_array().unwrap();
+    let places: Vec<Value> = features.iter().map(|feature| feature["properties"].clone()).collect();
+    assert_eq!((json!(places), &collection["elsewhere"]), (plain["places"].clone(), &plain["elsewhere"]));
+    let at = &features[0]["geometry"]["coordinates"];
+    assert_eq!(at, &json!([places[0]["longitude_deg"], places[0]["latitude_deg"]]));
+}
+
 /// Areas that overlap count common lights each, and areas beyond the scene are said.
 #[tokio::test]
 async fn overlapping_and_far_areas_are_said() {
