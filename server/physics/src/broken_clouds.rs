@@ -3,10 +3,14 @@
 //!
 //!   L = (1 − m)·[c·L_below + (1 − c)·L_clear] + m·L_overcast
 //!
-//! m is the share of cloud in the direction, c the cover. What air above the layer scatters has had to find a gap on its way up too;
+//! m is the share of cloud in the direction, c the cover; in the mean of all patterns, of clouds that have a thickness,
+//!
+//!   m = 1 − (1 − c)^(1 + 0.1·cot e),   e: elevation
+//!
+//! What air above the layer scatters has had to find a gap on its way up too;
 //! L_below is what air below it scatters, of which only the sum with what the layer reflects is known, L_overcast:
 //!
-//!   L_below ≈ min(L_clear, L_overcast / (1 + (sin e / 0.35)²)),   e: elevation
+//!   L_below ≈ min(L_clear, L_overcast / (1 + (sin e / 0.35)²))
 
 use crate::{
     bands::BAND_COUNT,
@@ -35,6 +39,9 @@ const SLANT_RAYS: usize = 6;
 const SLANT_RAD: f64 = 0.35;
 /// Sine of the elevation at which half of what comes from under the layer is scattered by air, not reflected.
 const HALF_BELOW_SINE: f64 = 0.35;
+/// How much more cloud artificial light meets at a slant than overhead, in the mean of all patterns: a fit to light traced through
+/// clouds 450 m thick.
+const SLANT_CLOSING: f64 = 0.1;
 
 /// How much of the sky a layer of cloud covers, and which sky of that cover is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -66,7 +73,8 @@ impl BrokenClouds {
     pub fn mean_radiance(self, clear: f64, overcast: f64, elevation_rad: f64) -> f64 {
         let below = clear.min(share_below(elevation_rad) * overcast);
         let gap = self.cover * below + (1.0 - self.cover) * clear;
-        (1.0 - self.cover) * gap + self.cover * overcast
+        let share = mean_gap_share(self.cover, elevation_rad);
+        share * gap + (1.0 - share) * overcast
     }
 
     /// A closed layer.
@@ -79,7 +87,8 @@ impl BrokenClouds {
     pub fn gaps(self, above_eye_m: f64, transmittance: f64) -> Gaps {
         let (cover, transmittance) = (self.cover as f32, transmittance as f32);
         let Some(pattern) = self.pattern.filter(|_| 0.0 < self.cover && self.cover < 1.0) else {
-            return Gaps { cover, transmittance, shares: vec![1.0 - cover; ELEVATION_COUNT * AZIMUTH_COUNT] };
+            let shares = vec![1.0 - cover; ELEVATION_COUNT * AZIMUTH_COUNT];
+            return Gaps { cover, transmittance, shares, is_mean: true };
         };
         let layer = Layer::new(self.cover, u64::from(pattern), above_eye_m.max(1.0));
         let share = |at: usize| layer.gap_share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT) as f32;
@@ -87,6 +96,7 @@ impl BrokenClouds {
             cover,
             transmittance,
             shares: (0..ELEVATION_COUNT * AZIMUTH_COUNT).into_par_iter().map(share).collect(),
+            is_mean: false,
         }
     }
 }
@@ -149,6 +159,11 @@ impl Layer {
     }
 }
 
+/// Share of gaps at an elevation for artificial light, mean over all patterns.
+fn mean_gap_share(cover: f64, elevation_rad: f64) -> f64 {
+    (1.0 - cover).powf(1.0 + SLANT_CLOSING / elevation_rad.tan())
+}
+
 /// What of light under a layer of cloud air scatters, the rest is reflected: a fit to the first order of scattering.
 fn share_below(elevation_rad: f64) -> f64 {
     let slant = elevation_rad.sin() / HALF_BELOW_SINE;
@@ -184,6 +199,8 @@ pub struct Gaps {
     transmittance: f32,
     /// Share of each sample of the panorama that no cloud covers, 0..=1, `[row][column]`.
     shares: Vec<f32>,
+    /// Whether they are the mean of all patterns.
+    is_mean: bool,
 }
 
 impl Gaps {
@@ -236,11 +253,15 @@ impl Gaps {
         CoverSlopes { by_clear, by_overcast }
     }
 
-    /// Share of gaps and share below the layer at every sample of a panorama.
+    /// Share of gaps for artificial light and share below the layer at every sample of a panorama.
     fn samples(&self) -> impl Iterator<Item = (f32, f32)> {
-        let rows = (0..ELEVATION_COUNT).map(|row| share_below(elevation_rad(row)) as f32);
-        let below: Vec<f32> = rows.flat_map(|below| [below; AZIMUTH_COUNT]).collect();
-        let plane = self.shares.iter().copied().zip(below).collect::<Vec<_>>();
+        let mean = |row| mean_gap_share(f64::from(self.cover), elevation_rad(row)) as f32;
+        let of_row = |(row, shares): (usize, &[f32])| {
+            let below = share_below(elevation_rad(row)) as f32;
+            let mean = self.is_mean.then(|| mean(row));
+            shares.iter().map(|share| (mean.unwrap_or(*share), below)).collect::<Vec<_>>()
+        };
+        let plane: Vec<_> = self.shares.chunks_exact(AZIMUTH_COUNT).enumerate().flat_map(of_row).collect();
         (0..BAND_COUNT).flat_map(move |_| plane.clone())
     }
 }

@@ -88,6 +88,21 @@ fn cover_goes_from_clear_to_overcast() {
     assert!(sky.samples().iter().all(|sample| (sample / 0.3 - 1.0).abs() < 1e-6));
 }
 
+/// In the mean of all patterns gaps close at a slant for artificial light, and a direction has the same light either way.
+#[test]
+fn gaps_close_at_a_slant() {
+    let clouds = BrokenClouds::new(0.5, None).unwrap();
+    let (mut sky, overcast) = (sky_of(2.0), sky_of(8.0));
+    clouds.gaps(1_500.0, 0.5).cover(&mut sky, &overcast);
+    for row in [1, 10, 63] {
+        let expected = clouds.mean_radiance(2.0, 8.0, elevation_rad(row));
+        assert!((sky.radiance_w_m2_sr(2, row, 7) / expected - 1.0).abs() < 1e-5, "{row}");
+    }
+    let [low, high] = [0.05, 1.5].map(|elevation_rad| mean_gap_share(0.5, elevation_rad));
+    assert!(low < 0.2 && (high - 0.5).abs() < 0.01, "{low} {high}");
+    assert_eq!([mean_gap_share(0.0, 0.1), mean_gap_share(1.0, 0.1)], [1.0, 0.0]);
+}
+
 /// A direction has the share of the sample that it lies in.
 #[test]
 fn directions_have_the_share_of_their_sample() {

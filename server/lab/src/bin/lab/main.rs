@@ -8,6 +8,7 @@ mod blocked_accuracy;
 mod brightness;
 mod class_accuracy;
 mod class_reference;
+mod cloud_bodies;
 mod field_noise;
 mod field_resolution;
 mod hidden_lights;
@@ -61,6 +62,7 @@ enum Program {
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
     Beams(beams::Arguments),
+    CloudBodies(cloud_bodies::Arguments),
     Lamps(lamps::Arguments),
     Spectra(spectra::Arguments),
     Brightness(brightness::Arguments),
@@ -96,6 +98,7 @@ fn main() -> Outcome {
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
         Program::Beams(arguments) => beams::run(&arguments),
+        Program::CloudBodies(arguments) => cloud_bodies::run(&arguments),
         Program::Lamps(arguments) => lamps::run(&arguments),
         Program::Spectra(arguments) => spectra::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
