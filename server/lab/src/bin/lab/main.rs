@@ -24,6 +24,7 @@ mod pictures;
 mod place_reference;
 mod plan_reference;
 mod planet;
+mod published_beams;
 mod reference;
 mod reference_multiple;
 mod scene_times;
@@ -61,6 +62,7 @@ enum Program {
     FieldNoise(field_noise::Arguments),
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
     Beams(beams::Arguments),
+    PublishedBeams(published_beams::Arguments),
     Lamps(lamps::Arguments),
     Spectra(spectra::Arguments),
     Brightness(brightness::Arguments),
@@ -96,6 +98,7 @@ fn main() -> Outcome {
         Program::FieldNoise(arguments) => field_noise::run(&arguments),
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
         Program::Beams(arguments) => beams::run(&arguments),
+        Program::PublishedBeams(arguments) => published_beams::run(&arguments),
         Program::Lamps(arguments) => lamps::run(&arguments),
         Program::Spectra(arguments) => spectra::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
