@@ -252,9 +252,28 @@ def natural():
     right.set(xlabel="solar flux at 10.7 cm, sfu: minimum to maximum of a cycle", xlim=(65, 230))
     right.legend(loc="lower right", fontsize=8, ncols=2)
     figure.savefig(f"{FOLDER}/natural-sky.png", dpi=110)
-    dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "min": 1e-4, "max": 1e4, "colormap": "viridis"}
-    hours = ["2026-08-12T22:00:00Z", "2026-08-20T20:00:00Z", "2026-08-12T19:40:00Z", "2026-08-12T10:00:00Z"]
-    side_by_side("all-skies", [[picture(f"{API}/scenes/demo/panorama.png", **dome, time=time) for time in hours]])
+    all_skies(place)
+
+
+def all_skies(place):
+    """The whole sky at four hours: on one scale, and each on its own."""
+    from matplotlib import colors, pyplot
+
+    dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "colormap": "viridis"}
+    hours = {
+        "new Moon": ("2026-08-12T22:00:00Z", 2e-4, 2e-3), "half Moon in the south-west": ("2026-08-20T20:00:00Z", 3e-4, 1e-2),
+        "twilight, the Sun 11° below": ("2026-08-12T19:40:00Z", 1e-3, 1e-1), "day": ("2026-08-12T10:00:00Z", 1e3, 3e4),
+    }
+    figure, rows = pyplot.subplots(2, 4, figsize=(13, 7), layout="constrained")
+    for column, (words, (time, least, most)) in enumerate(hours.items()):
+        for axis, (low, high) in zip(rows[:, column], ((1e-4, 1e4), (least, most))):
+            axis.imshow(picture(f"{API}/scenes/demo/panorama.png", **dome, time=time, min=low, max=high))
+            axis.axis("off")
+            bar = pyplot.cm.ScalarMappable(norm=colors.LogNorm(low, high), cmap="viridis")
+            if axis is rows[1, column] or column == 3:
+                figure.colorbar(bar, ax=axis, orientation="horizontal" if axis is rows[1, column] else "vertical", shrink=0.8, label="cd/m²")
+        rows[0, column].set_title(words)
+    figure.savefig(f"{FOLDER}/all-skies.png", dpi=100)
 
 
 def swaps():

@@ -20,7 +20,7 @@ pub struct BodyPlace {
     pub azimuth_deg: f64,
     /// Above the horizontal plane without refraction, degrees.
     pub true_altitude_deg: f64,
-    /// With the refraction of a standard air, degrees.
+    /// With the refraction of a standard air, degrees; none from 5° below the horizontal plane down, where nobody sees it.
     pub apparent_altitude_deg: f64,
     /// Distance, km.
     pub distance_km: f64,

@@ -1517,7 +1517,7 @@ export interface components {
         BodyPlace: {
             /**
              * Format: double
-             * @description With the refraction of a standard air, degrees.
+             * @description With the refraction of a standard air, degrees; none from 5° below the horizontal plane down, where nobody sees it.
              */
             apparent_altitude_deg: number;
             /**

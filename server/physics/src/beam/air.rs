@@ -49,8 +49,10 @@ pub enum MoleculeProfile {
         /// [`USUAL_OZONE_DOBSON`] in the mean.
         ozone_dobson: f64,
     },
-    /// Exponential, with extinction at sea level and 550 nm, and without ozone: to compare with older numbers.
+    /// Exponential, with extinction at sea level and 550 nm: to compare with older numbers.
     Exponential {
+        /// Ozone, Dobson units, spread as in the standard one.
+        ozone_dobson: f64,
         /// Scale height, metres.
         scale_height_m: f64,
         /// Extinction at sea level and 550 nm, m⁻¹.
@@ -144,8 +146,8 @@ impl BeamAir {
             MoleculeProfile::Standard { ozone_dobson } => {
                 (MOLECULE_DEPTH_550 / *STANDARD_COLUMN_M, MOLECULE_DEPTH_550, ozone_dobson)
             }
-            MoleculeProfile::Exponential { scale_height_m, extinction_550_per_m, .. } => {
-                (extinction_550_per_m, extinction_550_per_m * scale_height_m, 0.0)
+            MoleculeProfile::Exponential { ozone_dobson, scale_height_m, extinction_550_per_m, .. } => {
+                (extinction_550_per_m, extinction_550_per_m * scale_height_m, ozone_dobson)
             }
         };
         let aerosol_550_per_m = (turbidity.value() - 1.0) * depth_550 / AEROSOL_SCALE_HEIGHT_M;

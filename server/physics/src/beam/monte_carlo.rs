@@ -3,7 +3,10 @@
 //!
 //! Free paths are drawn by delta tracking (Woodcock et al. 1965) in air as thick as at sea level everywhere. In twilight
 //! light comes from low in the source's azimuth: half of the directions are drawn around that one, and weighted by the mean of both
-//! densities (balance heuristic, Veach and Guibas 1995).
+//! densities (balance heuristic, Veach and Guibas 1995). Deep in dusk hardly any of these paths meets light: `rays` has another
+//! tracer for that.
+
+mod rays;
 
 use super::{
     field::{BeamSetting, GROUND_M},
@@ -49,6 +52,53 @@ pub struct BeamTracer {
     thickest_per_m: f64,
 }
 
+/// An observer, and unit vectors along the view and to the source; the observer's vertical is z.
+struct Aim {
+    observer: DVec3,
+    view: DVec3,
+    source: DVec3,
+}
+
+impl Aim {
+    fn new(observer_altitude_m: f64, elevation_rad: f64, source_zenith_rad: f64, azimuth_rad: f64) -> Self {
+        let (sin_zenith, cos_zenith) = source_zenith_rad.sin_cos();
+        let (sin_elevation, cos_elevation) = elevation_rad.sin_cos();
+        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
+        Self {
+            observer: DVec3::Z * (EARTH_RADIUS_M + observer_altitude_m),
+            view: DVec3::new(cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation),
+            source: DVec3::new(sin_zenith, 0.0, cos_zenith),
+        }
+    }
+}
+
+/// The mean of so many paths, each of which gives light scattered once and all.
+fn mean_of_paths(paths: u64, seed: u64, path: impl Fn(&mut Random) -> (f64, f64) + Sync) -> BeamEstimate {
+    let streams = paths.div_ceil(STREAM_PATHS).max(1);
+    let sums: Vec<[f64; 3]> = (0..streams)
+        .into_par_iter()
+        .map(|stream| {
+            let mut random = Random::new(seed, stream);
+            let mut sums = [0.0; 3];
+            for _ in 0..STREAM_PATHS {
+                let (first, all) = path(&mut random);
+                sums[0] += first;
+                sums[1] += all;
+                sums[2] += all * all;
+            }
+            sums
+        })
+        .collect();
+    let count = (streams * STREAM_PATHS) as f64;
+    let mean = |at: usize| sums.iter().map(|sums| sums[at]).sum::<f64>() / count;
+    let (first, all, square) = (mean(0), mean(1), mean(2));
+    BeamEstimate {
+        radiance_per_sr: all,
+        standard_error_per_sr: ((square - all * all).max(0.0) / count).sqrt(),
+        first_order_per_sr: first,
+    }
+}
+
 /// Where a flight ends.
 enum Event {
     Space,
@@ -76,35 +126,8 @@ impl BeamTracer {
         paths: u64,
         seed: u64,
     ) -> BeamEstimate {
-        let observer = DVec3::Z * (EARTH_RADIUS_M + observer_altitude_m);
-        let (sin_zenith, cos_zenith) = source_zenith_rad.sin_cos();
-        let source = DVec3::new(sin_zenith, 0.0, cos_zenith);
-        let (sin_elevation, cos_elevation) = elevation_rad.sin_cos();
-        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
-        let view = DVec3::new(cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation);
-        let streams = paths.div_ceil(STREAM_PATHS).max(1);
-        let sums: Vec<[f64; 3]> = (0..streams)
-            .into_par_iter()
-            .map(|stream| {
-                let mut random = Random::new(seed, stream);
-                let mut sums = [0.0; 3];
-                for _ in 0..STREAM_PATHS {
-                    let (first, all) = self.trace(observer, view, source, &mut random);
-                    sums[0] += first;
-                    sums[1] += all;
-                    sums[2] += all * all;
-                }
-                sums
-            })
-            .collect();
-        let count = (streams * STREAM_PATHS) as f64;
-        let mean = |at: usize| sums.iter().map(|sums| sums[at]).sum::<f64>() / count;
-        let (first, all, square) = (mean(0), mean(1), mean(2));
-        BeamEstimate {
-            radiance_per_sr: all,
-            standard_error_per_sr: ((square - all * all).max(0.0) / count).sqrt(),
-            first_order_per_sr: first,
-        }
+        let aim = Aim::new(observer_altitude_m, elevation_rad, source_zenith_rad, azimuth_rad);
+        mean_of_paths(paths, seed, |random| self.trace(aim.observer, aim.view, aim.source, random))
     }
 
     /// Light of one path: scattered once, and in all.

@@ -197,6 +197,7 @@ mod tests {
     #[test]
     fn straight_light_agrees_with_quadrature() {
         let profile = MoleculeProfile::Exponential {
+            ozone_dobson: 0.0,
             scale_height_m: 8_000.0,
             extinction_550_per_m: 13.558e-6,
             top_m: 90_000.0,

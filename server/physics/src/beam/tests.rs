@@ -10,6 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 
 fn former_air() -> BeamAir {
     let profile = MoleculeProfile::Exponential {
+        ozone_dobson: 0.0,
         scale_height_m: 8_000.0,
         extinction_550_per_m: 13.558e-6,
         top_m: 80_000.0,

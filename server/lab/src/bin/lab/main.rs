@@ -25,6 +25,7 @@ mod pictures;
 mod place_reference;
 mod plan_reference;
 mod planet;
+mod published_beams;
 mod reference;
 mod reference_multiple;
 mod scene_times;
@@ -63,6 +64,7 @@ enum Program {
     MultipleVsMonteCarlo(multiple_vs_monte_carlo::Arguments),
     Beams(beams::Arguments),
     CloudBodies(cloud_bodies::Arguments),
+    PublishedBeams(published_beams::Arguments),
     Lamps(lamps::Arguments),
     Spectra(spectra::Arguments),
     Brightness(brightness::Arguments),
@@ -99,6 +101,7 @@ fn main() -> Outcome {
         Program::MultipleVsMonteCarlo(arguments) => multiple_vs_monte_carlo::run(&arguments),
         Program::Beams(arguments) => beams::run(&arguments),
         Program::CloudBodies(arguments) => cloud_bodies::run(&arguments),
+        Program::PublishedBeams(arguments) => published_beams::run(&arguments),
         Program::Lamps(arguments) => lamps::run(&arguments),
         Program::Spectra(arguments) => spectra::run(&arguments),
         Program::Brightness(arguments) => brightness::run(&arguments),
