@@ -177,7 +177,9 @@ impl From<ObservatoryError> for AppError {
                     retry_after_s: left_s.clamp(1.0, LONGEST_PAUSE_S).ceil() as u64,
                 },
                 SceneError::StoreAway { reason } => Self::StoreAway { reason },
-                SceneError::TooLarge { .. } => Self::SceneTooLarge { reason: error.to_string() },
+                SceneError::TooLarge { .. } | SceneError::MapTooLarge { .. } => {
+                    Self::SceneTooLarge { reason: error.to_string() }
+                }
                 other => Self::internal(other),
             },
             // Times, and whether there are tables for them, are checked when they are read.

@@ -231,6 +231,10 @@ impl SkySource for ObservatorySource {
         view: &SceneView,
         store: &dyn PatchStore,
     ) -> Result<BrightnessMap, AppError> {
+        if request.terrain_hides {
+            let limit_bytes = self.observatory.max_scene_bytes() / 2;
+            view.scene().check_skylines_of_all(limit_bytes).map_err(ObservatoryError::from)?;
+        }
         Ok(self.observatory.brightness_in(view, request, store)?)
     }
 

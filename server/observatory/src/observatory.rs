@@ -146,7 +146,7 @@ impl Observatory {
         let adopted = self.store().adopt(upload, id)?;
         self.scenes.forget(id);
         if let Some(shared) = &self.shared_scenes {
-            shared.put(self.store(), id)?;
+            shared.put(self.store(), id, true)?;
         }
         Ok(adopted)
     }

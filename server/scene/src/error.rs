@@ -61,6 +61,22 @@ pub enum SceneError {
         /// Bytes that it may take.
         limit_bytes: u64,
     },
+    /// A map of all of a scene whose skylines take more memory than there is.
+    #[error(
+        "a map of all of scene \"{scene}\" needs the skylines of its {lights} lights at once, some {} of memory where there are {}; ask for a \
+         part of it (`skyglow atlas --bounds`), or for an open terrain",
+        crate::memory::gigabytes(*needed_bytes), crate::memory::gigabytes(*limit_bytes)
+    )]
+    MapTooLarge {
+        /// The scene's id.
+        scene: String,
+        /// Its lit pixels.
+        lights: u64,
+        /// Bytes that their skylines take.
+        needed_bytes: u64,
+        /// Bytes that they may take.
+        limit_bytes: u64,
+    },
     /// A stored scene that is truncated, altered or of another format.
     #[error("scene \"{scene}\": {file} {reason}; ingest the scene again")]
     Damaged {
@@ -98,6 +114,21 @@ pub enum SceneError {
     StoreAway {
         /// What happened.
         reason: String,
+    },
+    /// A scene that was replaced while it was put into a store.
+    #[error("scene \"{id}\" was replaced while it was put into the store; put it there again")]
+    ReplacedMeanwhile {
+        /// The scene's id.
+        id: String,
+    },
+    /// A scene of the store that servers share would replace one that is no copy.
+    #[error(
+        "scene \"{id}\" of the store is not copied: this server has another of its own by that name; remove one of them, or put this one \
+         there with `skyglow push`"
+    )]
+    OwnScene {
+        /// The scene's id.
+        id: String,
     },
     /// The file system failed.
     #[error("{}: {source}", path.display())]

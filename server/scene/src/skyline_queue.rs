@@ -1,10 +1,13 @@
 //! Tiles of skylines that places wait for, made one after another by a thread of their own while those who asked are told to come again.
+//! Places have their turns: who asks about one does not wait for all tiles of another.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Lights a second before any were made: a tenth of a millisecond of a core each.
 const FIRST_LIGHTS_PER_S: f64 = 10_000.0;
+/// Places beyond these come in when they ask again.
+const MOST_PLACES: usize = 64;
 /// Weight of what was measured before, when the next tile is done.
 const MEMORY: f64 = 0.8;
 
@@ -14,7 +17,8 @@ pub(crate) struct SkylineQueue(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    waiting: VecDeque<usize>,
+    /// By the place that asked for them first.
+    waiting: VecDeque<VecDeque<usize>>,
     /// The same, and the one that is being made.
     known: BTreeSet<usize>,
     /// Whether a thread is at it.
@@ -31,12 +35,13 @@ impl SkylineQueue {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds tiles that are not in it yet, and says whether the caller is to begin to work on it.
+    /// Adds the tiles of a place that are not in it yet, and says whether the caller is to begin to work on it.
     pub(crate) fn add(&self, tiles: impl IntoIterator<Item = usize>) -> bool {
         let mut state = self.lock();
-        for tile in tiles {
-            if state.known.insert(tile) {
-                state.waiting.push_back(tile);
+        if state.waiting.len() < MOST_PLACES {
+            let new: VecDeque<usize> = tiles.into_iter().filter(|tile| state.known.insert(*tile)).collect();
+            if !new.is_empty() {
+                state.waiting.push_back(new);
             }
         }
         !std::mem::replace(&mut state.is_worked, true)
@@ -45,7 +50,9 @@ impl SkylineQueue {
     /// The next tile; None where there is none, and who asked is done.
     pub(crate) fn next(&self) -> Option<usize> {
         let mut state = self.lock();
-        let next = state.waiting.pop_front();
+        let mut place = state.waiting.pop_front();
+        let next = place.as_mut().and_then(VecDeque::pop_front);
+        state.waiting.extend(place.filter(|place| !place.is_empty()));
         state.is_worked = next.is_some();
         next
     }
@@ -88,7 +95,9 @@ mod tests {
         assert!(!queue.add([3]));
         queue.done(3, 500, 0.1);
         assert!((queue.lights_per_s() / 5_000.0 - 1.0).abs() < 1e-9);
-        assert_eq!([queue.next(), queue.next(), queue.next()], [Some(1), Some(2), None]);
+        // The second place has its turn.
+        assert!(!queue.add([5, 6]));
+        assert_eq!([(); 5].map(|()| queue.next()), [Some(2), Some(1), Some(5), Some(6), None]);
         // Who adds the next begins.
         assert!(queue.add([3]));
         queue.give_up();

@@ -222,7 +222,11 @@ impl SkylineTiles {
     fn store(&self, ground: &TileGround<'_>, tile: usize, skylines: &Skylines) -> std::io::Result<()> {
         let path = self.path(ground, tile);
         let content = sections::pack(&skylines.to_sections())?;
-        std::fs::create_dir_all(&self.folder)?;
+        // Not the scene's: it may have been removed meanwhile.
+        match std::fs::create_dir(&self.folder) {
+            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => return Err(error),
+            _ => {}
+        }
         let mode = Permissions::from_mode(FILE_MODE);
         let mut file = tempfile::Builder::new().permissions(mode).tempfile_in(&self.folder)?;
         std::io::Write::write_all(&mut file, self.hash(&path, &content).as_bytes())?;

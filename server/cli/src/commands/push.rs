@@ -25,7 +25,7 @@ impl Push {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
         let shared = SharedScenes::new(open_store(&self.store)?);
-        shared.put(&SceneStore::new(self.data.folder()), &self.scene).map_err(Failure::work)?;
+        shared.put(&SceneStore::new(self.data.folder()), &self.scene, false).map_err(Failure::work)?;
         print::print_line(&format!("{} is at {}", self.scene, self.store))
     }
 }

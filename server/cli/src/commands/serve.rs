@@ -185,6 +185,12 @@ fn start(
         changes = changes.with_shelf(shelf);
     }
     let source = program::open(loaded, &settings.data, changes, shared, sizes, max_places, required);
+    if settings.store.is_some() {
+        // Ready is who has the scenes of all.
+        if let Err(error) = source.refresh_scenes() {
+            tracing::error!(%error, "not all scenes of the store can be copied");
+        }
+    }
     Ok((source, shares.put_into(settings.http.clone())))
 }
 

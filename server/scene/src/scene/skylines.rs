@@ -4,6 +4,7 @@ use super::Scene;
 use crate::error::SceneError;
 use crate::skyline_tiles::{SkylineTiles, TileGround, lights_of, tiles_within};
 use crate::skyline_view::{Disc, SkylineView, tiles_of};
+use crate::skylines::Skyline;
 use serde::Serialize;
 use skyglow_physics::GeoPoint;
 use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
@@ -107,6 +108,23 @@ impl Scene {
                 Some(seconds) => store.queue.done(tile, lights_of(&ground, tile).len(), seconds),
                 None => store.queue.give_up(),
             }
+        }
+    }
+
+    /// Whether a map of the whole scene may have its lights hidden, in so many bytes: all skylines are then in memory where they are
+    /// made by tile.
+    ///
+    /// # Errors
+    /// [`SceneError::MapTooLarge`].
+    pub fn check_skylines_of_all(&self, limit_bytes: u64) -> Result<(), SceneError> {
+        let lights = self.metadata.lit_pixels;
+        let needed_bytes = lights * size_of::<Skyline>() as u64;
+        match self.skyline_tiles() {
+            Some(_) if needed_bytes > limit_bytes => {
+                let scene = self.metadata.id.to_string();
+                Err(SceneError::MapTooLarge { scene, lights, needed_bytes, limit_bytes })
+            }
+            _ => Ok(()),
         }
     }
 
