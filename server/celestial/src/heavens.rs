@@ -46,6 +46,10 @@ pub struct Heavens {
     ecliptic_from_enu: DMat3,
     /// Ecliptic longitude of the Sun, rad.
     sun_longitude_rad: f64,
+    /// Cosine and sine of it.
+    towards_sun: [f64; 2],
+    /// What the distance of Earth and Sun makes of zodiacal light.
+    zodiacal_factor: f64,
     sun: Sun,
     moon: Moon,
     planets: [PlanetSeen; 7],
@@ -64,6 +68,7 @@ impl Heavens {
         let (sun, moon) = (Sun::of(&positions), Moon::of(&positions));
         let ecliptic_from_enu = positions.ecliptic_from_enu();
         let sun_ecliptic = ecliptic_from_enu * sun.position.enu_au;
+        let sun_longitude_rad = sun_ecliptic.y.atan2(sun_ecliptic.x);
         Ok(Self {
             site,
             instant,
@@ -71,7 +76,9 @@ impl Heavens {
             positions,
             galactic_from_enu: positions.galactic_from_enu(),
             ecliptic_from_enu,
-            sun_longitude_rad: sun_ecliptic.y.atan2(sun_ecliptic.x),
+            sun_longitude_rad,
+            towards_sun: [sun_longitude_rad.cos(), sun_longitude_rad.sin()],
+            zodiacal_factor: zodiacal_light::distance_factor(positions.epoch.sun_distance_au()),
             sun,
             moon,
             planets: PlanetSeen::all(&positions),
@@ -164,12 +171,13 @@ impl Heavens {
                 [s10; NODE_COUNT]
             }
             Component::ZodiacalLight => {
-                let (longitude_rad, latitude_rad) = spherical(self.ecliptic_from_enu * enu);
+                let ecliptic = self.ecliptic_from_enu * enu;
+                let (longitude_rad, latitude_rad) = spherical(ecliptic);
                 let from_sun_rad = longitude_rad - self.sun_longitude_rad;
                 let s10 = zodiacal_light::table_s10(from_sun_rad.to_degrees(), latitude_rad.to_degrees())
-                    * zodiacal_light::distance_factor(self.positions.epoch.sun_distance_au());
-                let cos_elongation = (latitude_rad.cos() * from_sun_rad.cos()).clamp(-1.0, 1.0);
-                zodiacal_colour(cos_elongation.acos().to_degrees()).map(|colour| s10 * colour)
+                    * self.zodiacal_factor;
+                let [cosine, sine] = self.towards_sun;
+                zodiacal_colour(ecliptic.x * cosine + ecliptic.y * sine).map(|colour| s10 * colour)
             }
             Component::Airglow => {
                 let zenith_s10 = airglow::zenith_s10(self.solar_flux_sfu);
@@ -202,10 +210,13 @@ static ZODIACAL_COLOURS: LazyLock<[[f64; NODE_COUNT]; 2]> = LazyLock::new(|| {
     })
 });
 
-/// The same for an elongation; it is linear in between.
-fn zodiacal_colour(elongation_deg: f64) -> [f64; NODE_COUNT] {
-    let part = zodiacal_light::far_part(elongation_deg);
+/// The same for an elongation by its cosine; it is linear in between.
+fn zodiacal_colour(cos_elongation: f64) -> [f64; NODE_COUNT] {
     let [near, far] = &*ZODIACAL_COLOURS;
+    if cos_elongation <= 0.0 {
+        return *far;
+    }
+    let part = zodiacal_light::far_part(cos_elongation.min(1.0).acos().to_degrees());
     std::array::from_fn(|node| near[node] + part * (far[node] - near[node]))
 }
 
@@ -241,7 +252,7 @@ mod tests {
         let gegenschein = heavens.radiance_outside(Component::ZodiacalLight, towards(against_sun));
         // 2026-06-21: 1.016 au from the Sun.
         let season = 1.016_f64.powf(-2.3);
-        for (value, colour) in gegenschein.into_iter().zip(zodiacal_colour(180.0)) {
+        for (value, colour) in gegenschein.into_iter().zip(zodiacal_colour(-1.0)) {
             assert!((value / (180.0 * season * colour) - 1.0).abs() < 0.01, "{value}");
         }
         let airglow = heavens.radiance_outside(Component::Airglow, towards(DVec3::Z));

@@ -47,7 +47,8 @@ pub fn table_s10(longitude_deg: f64, latitude_deg: f64) -> f64 {
     let steps = ((latitude_deg + 90.0) / STEP_DEG).clamp(0.0, (ROW_COUNT - 1) as f64);
     let row = (steps as usize).min(ROW_COUNT - 2);
     let up = steps - row as f64;
-    let place = longitude_deg.rem_euclid(360.0) / 10.0;
+    let turns = longitude_deg / 360.0;
+    let place = (turns - turns.floor()) * LONGITUDE_COUNT as f64;
     let (column, along) = (place as usize % LONGITUDE_COUNT, place.fract());
     let next = (column + 1) % LONGITUDE_COUNT;
     let at = |row: usize| TABLE[row][column] + along * (TABLE[row][next] - TABLE[row][column]);

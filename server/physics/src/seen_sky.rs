@@ -4,13 +4,16 @@
 use crate::{
     bands::BAND_COUNT,
     panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama},
-    simd::{exponential, logarithm, multiply_add},
+    simd::{self, exponential, logarithm, multiply_add},
     simd_dispatch,
     spectrum::{Light, Response, SpectralRule},
 };
+use rayon::prelude::*;
 use std::{array::from_fn, sync::Arc};
 
 const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
+/// Rows that one thread takes at least.
+const ROWS_PER_TASK: usize = 8;
 /// Least ratio of a node to the largest one, as [`SpectralRule`] has it.
 const FLOOR: f32 = crate::spectrum::KERNEL_FLOOR as f32;
 
@@ -32,25 +35,36 @@ pub struct SeenSky {
 }
 
 impl SeenSky {
-    /// What responses see of a sky that is the sum of its parts. Relative error below 1e-4 of [`SpectralRule::value`].
+    /// What responses see of a sky that is the sum of its parts. Relative error below 1e-4 of [`SpectralRule::value`]. The
+    /// result does not depend on the number of threads.
     pub fn of(parts: &[SkyPart], responses: &[Response]) -> Self {
         let mut values = vec![0f32; responses.len() * DIRECTION_COUNT];
-        for part in parts {
-            let rules: Vec<Rule> = responses.iter().map(|of| Rule::of(&part.light.rule(of))).collect();
-            let samples = part.kernel.samples();
-            for row in 0..ELEVATION_COUNT {
-                let kernel = from_fn(|band| {
-                    let start = Panorama::index(band, row, 0);
-                    samples[start..].first_chunk::<AZIMUTH_COUNT>().copied().unwrap_or([0.0; AZIMUTH_COUNT])
-                });
-                let values = values.chunks_exact_mut(DIRECTION_COUNT).map(|plane| {
-                    let row = &mut plane[row * AZIMUTH_COUNT..][..AZIMUTH_COUNT];
-                    row.as_chunks_mut::<AZIMUTH_COUNT>().0
-                });
-                let mut values: Vec<&mut [f32; AZIMUTH_COUNT]> = values.flatten().collect();
-                add_row(&kernel, &rules, &mut values);
+        let rules: Vec<Vec<Rule>> = parts
+            .iter()
+            .map(|part| responses.iter().map(|of| Rule::of(&part.light.rule(of))).collect())
+            .collect();
+        // Each row of the sky with what every response sees of it.
+        let mut rows: Vec<Vec<&mut Row>> = (0..ELEVATION_COUNT).map(|_| Vec::new()).collect();
+        for plane in values.chunks_exact_mut(DIRECTION_COUNT) {
+            for (row, values) in rows.iter_mut().zip(plane.as_chunks_mut::<AZIMUTH_COUNT>().0) {
+                row.push(values);
             }
         }
+        let is_wide = simd::is_wide();
+        rows.par_iter_mut().with_min_len(ROWS_PER_TASK).enumerate().for_each(|(row, values)| {
+            let add = |values: &mut [&mut Row]| {
+                for (part, rules) in parts.iter().zip(&rules) {
+                    let samples = part.kernel.samples();
+                    let kernel = from_fn(|band| {
+                        let start = Panorama::index(band, row, 0);
+                        let row = samples[start..].first_chunk::<AZIMUTH_COUNT>();
+                        row.copied().unwrap_or([0.0; AZIMUTH_COUNT])
+                    });
+                    add_row(&kernel, rules, values);
+                }
+            };
+            if is_wide { add(values) } else { simd::with_baseline(|| add(values)) }
+        });
         Self { responses: responses.to_vec(), values }
     }
 

@@ -12,6 +12,7 @@ pub use limits::{DirectionLimit, SeenStars};
 pub use skipping::{DAY_BOUND, MOON_LOWEST_DEG};
 
 use crate::error::ObservatoryError;
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use skipping::Skipping;
@@ -110,21 +111,26 @@ impl NightSky {
         let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over) };
         let sun = maker.part(Component::Sun);
         let wanted = skipping.wanted(&heavens, sun.as_ref());
-        let points = Component::ALL.map(|component| {
-            let counts = component != Component::Stars || wanted.contains(&component);
-            let points = if counts { heavens.points(component) } else { &[] };
-            points.iter().filter_map(|point| maker.through(point)).collect::<Vec<_>>()
-        });
-        let numbers = |component: Component, part: &SkyPart| {
-            maker.component(component, part, &points[component.index()])
-        };
-        let others = wanted.into_par_iter().filter_map(|component| {
-            let part = maker.part(component)?;
-            Some((numbers(component, &part), part))
-        });
-        let others: Vec<(ComponentSky, SkyPart)> = others.collect();
-        let sun = sun.map(|part| (numbers(Component::Sun, &part), part));
-        let (components, parts): (Vec<_>, Vec<_>) = sun.into_iter().chain(others).unzip();
+        let (points, others) = rayon::join(
+            || {
+                Component::ALL.map(|component| {
+                    let counts = component != Component::Stars || wanted.contains(&component);
+                    let points = if counts { heavens.points(component) } else { &[] };
+                    points.par_iter().filter_map(|point| maker.through(point)).collect::<Vec<_>>()
+                })
+            },
+            || -> Vec<(Component, SkyPart)> {
+                let others = wanted.par_iter();
+                others.filter_map(|component| Some((*component, maker.part(*component)?))).collect()
+            },
+        );
+        let sun = sun.map(|part| (Component::Sun, part));
+        let found: Vec<(Component, SkyPart)> = sun.into_iter().chain(others).collect();
+        let numbers = found
+            .par_iter()
+            .map(|(component, part)| maker.component(*component, part, &points[component.index()]));
+        let components = numbers.collect();
+        let parts: Vec<SkyPart> = found.into_iter().map(|(_, part)| part).collect();
         let transmittance = std::array::from_fn(|row| maker.looks[row].transmittance);
         let seen = SeenSky::of(&parts, responses);
         let of_points = |sum: &dyn Fn(&[ThroughAir]) -> [f64; BAND_COUNT]| {
@@ -300,12 +306,11 @@ impl Maker<'_> {
             .into_par_iter()
             .map(|row| {
                 let look = self.looks[row];
+                let (up, level) = look.true_elevation_rad.max(0.0).sin_cos();
                 let outside = |column: usize| {
-                    let direction = Direction {
-                        azimuth_rad: azimuth_rad(column),
-                        elevation_rad: look.true_elevation_rad.max(0.0),
-                    };
-                    let radiance = self.heavens.radiance_outside(component, direction);
+                    let (east, north) = azimuth_rad(column).sin_cos();
+                    let enu = DVec3::new(level * east, level * north, up);
+                    let radiance = self.heavens.radiance_outside_enu(component, enu);
                     std::array::from_fn(|band| radiance[band] * look.transmittance[band])
                 };
                 // A layer of the air looks alike in all directions of a row.
