@@ -194,6 +194,7 @@ fn airs() -> Outcome {
 }
 
 /// A full Moon 45° from the zenith over Paranal, by what air and ground are taken for.
+#[expect(clippy::approx_constant, reason = "a turbidity")]
 fn moonlight() -> Outcome {
     println!("\n## A full Moon (V -13.06) 45° from the zenith over Paranal, V with a night sky of 21.74\n");
     println!("| turbidity | zenith takes, mag | albedo of the ground | V | SkyCalc |\n|---|---|---|---|---|");
