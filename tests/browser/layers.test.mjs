@@ -97,6 +97,28 @@ test("one coloured layer is on at a time", async () => {
   await context.close();
 });
 
+/** The map shows light on slopes and walls, of which no light has its part: what influences are of stays, and a link brings it back. */
+test("a map shows the light on slopes", async () => {
+  const { latitude_deg, longitude_deg } = here.beside;
+  const opened = await openPage(browser, `#scene=${here.scene.id}&lat=${latitude_deg}&lon=${longitude_deg}&brightness=0.8`);
+  const { page, context, asked } = opened;
+  await skyShown(page);
+  await layerShown(page, "brightness");
+  await page.selectOption("#map-measure", "slope");
+  await layerShown(page, "brightness");
+  assert.ok(asked.some((path) => /tiles\/brightness\/tilejson\.json\?.*measure=slope/.test(path)));
+  assert.match(page.url(), /surface=slope/);
+  assert.equal(await page.inputValue("#measure"), "zenith");
+  await page.reload();
+  await layerShown(page, "brightness");
+  assert.equal(await page.inputValue("#map-measure"), "slope");
+  await page.selectOption("#map-measure", "horizontal");
+  assert.doesNotMatch(page.url(), /surface/);
+  assert.equal(await page.inputValue("#measure"), "horizontal");
+  assertNoFaults(opened);
+  await context.close();
+});
+
 /** A drag of the map that ends over a panel or beside the map ends there. */
 test("a drag ends over a panel", async () => {
   const opened = await openPage(browser, `#scene=${here.scene.id}`);

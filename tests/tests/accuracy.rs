@@ -5,7 +5,7 @@
 mod common;
 
 use skyglow_lab::setup::open_sky;
-use skyglow_observatory::{BrightnessRequest, MapMeasure, Observatory, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure, Observatory, SkyRequest};
 use skyglow_physics::{
     BAND_COUNT, ELEVATION_COUNT, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
     error_metric::{ErrorStatistics, relative_error},
@@ -143,8 +143,14 @@ fn each_place_is_that_of_its_panorama() {
         (3.0, 5_000, MapMeasure::Zenith),
         (2.5, 5_000, MapMeasure::Mean),
         (2.5, 5_000, MapMeasure::Horizontal),
+        (2.5, 5_000, MapMeasure::Cylindrical),
+        (3.0, 5_000, MapMeasure::VerticalEast),
+        (2.5, 5_000, MapMeasure::VerticalLargest),
+        (2.5, 20_000, MapMeasure::Slope),
+        (3.0, 20_000, MapMeasure::Slope),
     ] {
         let turbidity = Turbidity::new(turbidity).unwrap();
+        let hides = [MapMeasure::Zenith, MapMeasure::Slope].contains(&measure);
         let request = BrightnessRequest {
             scene: id.clone(),
             scenario: None,
@@ -152,9 +158,10 @@ fn each_place_is_that_of_its_panorama() {
             scattering: Scattering::Multiple,
             lamp: LampPreset::Mixed.lamp(),
             measure,
+            light: MapLight::Artificial,
             response: Response::Photopic,
             emission: EmissionMix::garstang().into(),
-            terrain_hides: measure == MapMeasure::Zenith,
+            terrain_hides: hides,
             max_places,
         };
         let map = OBSERVATORY.brightness(&request, &|_: f64| true).unwrap();
@@ -173,6 +180,10 @@ fn each_place_is_that_of_its_panorama() {
                     MapMeasure::Zenith => found.zenith_luminance_cd_m2,
                     MapMeasure::Mean => found.mean_luminance_cd_m2,
                     MapMeasure::Horizontal => found.horizontal_illuminance_lx,
+                    MapMeasure::Slope => found.surfaces.by_response[0].artificial.slope,
+                    MapMeasure::Cylindrical => found.surfaces.by_response[0].artificial.cylindrical,
+                    MapMeasure::VerticalEast => found.surfaces.by_response[0].artificial.vertical_east,
+                    _ => found.surfaces.by_response[0].artificial.vertical_largest,
                 };
                 (f64::from(map.places().values()[at]) / wanted - 1.0).abs()
             })

@@ -61,7 +61,7 @@ impl MapFrame {
             crs_wkt: metadata.grid.crs_wkt.clone(),
             bounds: metadata.bounds,
             unit: request.measure.unit(request.response.unit()),
-            description: brightness_shows(request.measure, &request.response),
+            description: brightness_shows(request.measure, request.light, &request.response),
             colour_range: request.measure.colour_range(&request.response),
             attribution: metadata.attribution.clone(),
             date: metadata.date.clone(),

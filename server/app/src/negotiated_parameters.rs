@@ -1,20 +1,21 @@
 //! Sets of parameters of which not every form of an answer takes all: their defaults are said in words, for who sends every default.
 
 use crate::parameters::{
-    InfluenceParameters, InfluenceRasterParameters, PanoramaParameters, Parameter, ParameterSet,
-    PlanListParameters,
+    InfluenceParameters, InfluenceRasterParameters, MEASURE, PanoramaParameters, Parameter, ParameterSet,
+    PlanListParameters, SKY, SOLAR_FLUX, TILE_MEASURE, TIME,
 };
 use utoipa::openapi::path::{Parameter as ApiParameter, ParameterIn};
 
-/// Those of influences where not every layer of tiles takes them, or needs a place.
+/// Those of influences and of maps of brightness, of which not every layer of tiles takes all, or needs a place.
 #[derive(Clone, Copy, Debug)]
-pub struct OptionalInfluenceParameters;
+pub struct LayerParameters;
 
-impl utoipa::IntoParams for OptionalInfluenceParameters {
+impl utoipa::IntoParams for LayerParameters {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<ApiParameter> {
         let optional =
             |parameter: &Parameter| Parameter { required: false, ..*parameter }.with_default_in_words();
-        InfluenceRasterParameters::ALL.iter().map(optional).collect()
+        let of_influence = InfluenceRasterParameters::ALL.iter().filter(|one| one.name != MEASURE.name);
+        of_influence.chain(&[TILE_MEASURE, SKY, TIME, SOLAR_FLUX]).map(optional).collect()
     }
 }
 

@@ -221,8 +221,10 @@ parameters! {
     }, "", false;
     /// What of the sky places and areas have their shares of: as in influences, but for the norm, which does not add up.
     SHARED_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal", "region"]), "", false;
-    /// What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the horizontal illuminance, what the ground has.
-    MAP_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal"]), "zenith", false;
+    /// What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the illuminance of a surface: `horizontal` of level ground; `slope` of the ground as the terrain slopes, behind its own horizon; `vertical_…` of walls that face the four sides, and of the one that receives most; `cylindrical`, the mean over all walls; `spherical`, the mean over a small sphere.
+    MAP_MEASURE = "measure", Kind::Choice(&["zenith", "mean", "horizontal", "slope", "vertical_north", "vertical_east", "vertical_south", "vertical_west", "vertical_largest", "cylindrical", "spherical"]), "zenith", false;
+    /// What of the sky a layer shows: of brightness as in its maps, but for `norm` and `region`; of influences the first five.
+    TILE_MEASURE = "measure", Kind::Choice(&["norm", "zenith", "mean", "horizontal", "region", "slope", "vertical_north", "vertical_east", "vertical_south", "vertical_west", "vertical_largest", "cylindrical", "spherical"]), "", false;
     /// Number of the named places with the largest shares that are listed; the others are summed up.
     LISTED_PLACES = "limit", Kind::Integer { minimum: 1, maximum: 10_000 }, "50", false;
     /// The property of the features that holds their names. The default is the first that is there of `name`, `name_en`, `nom`, `nombre`, `nome`, `naam`, `namn`, `label`, `title`, `municipality`, `gemeinde`, `commune`, `comune`, in upper or lower case.
@@ -390,7 +392,9 @@ parameter_sets! {
         SCENARIO, SHARED_MEASURE, REGION, NAME_FIELD,
     ];
     /// Those of the zenith's brightness at every place.
-    BrightnessParameters = [MAP_MEASURE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO];
+    BrightnessParameters = [
+        MAP_MEASURE, SKY, TIME, SOLAR_FLUX, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO,
+    ];
     /// Those of darker places near a place.
     DarkerParameters = [
         LAT, LON, WITHIN_KM, DARKER_PLACES, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO,

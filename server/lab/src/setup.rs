@@ -6,7 +6,10 @@ use skyglow_physics::{
     Atmosphere, EmissionMix, GeoPoint, LampPreset, Response, Turbidity,
     multiple_scattering::{DEFAULT_GROUND_ALBEDO, MultipleSum, Resolution, SumDensity},
 };
-use skyglow_render::{DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, resident_tables};
+use skyglow_render::{
+    DeviceChoice, Engine, EngineConfig, RenderError, RenderRequest, celestial::CelestialTables,
+    resident_tables,
+};
 use skyglow_scene::{PolarGrid, SceneId};
 use skyglow_tables::{ResidentTables, Scattering, packs_in};
 use std::{path::Path, sync::Arc};
@@ -34,7 +37,11 @@ pub fn engine_of(tables: Vec<Arc<ResidentTables>>, device: DeviceChoice) -> Resu
 /// Packs that cannot be read.
 pub fn observatory(data: &Path, packs: &Path) -> Result<Observatory, JudgeError> {
     let (tables, manifests) = resident_tables(&packs_in(packs)?)?;
-    Ok(Observatory::new(engine_of(tables, DeviceChoice::Cpu)?, manifests, data, 1))
+    let observatory = Observatory::new(engine_of(tables, DeviceChoice::Cpu)?, manifests, data, 1);
+    Ok(match CelestialTables::open(packs)? {
+        Some(celestial) => observatory.with_celestial_tables(celestial),
+        None => observatory,
+    })
 }
 
 /// All orders, Garstang's lobes of 1986, two metres above the ground, terrain off.

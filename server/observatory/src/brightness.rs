@@ -1,19 +1,15 @@
 //! How bright the sky is at every place of a scene, by default at the zenith: the layer that the public knows from the World Atlas.
 
 use crate::{
-    error::ObservatoryError,
-    influence::{KernelRange, place_kernel},
-    map_measure::MapMeasure,
-    observatory::Observatory,
-    scene_view::SceneView,
+    error::ObservatoryError, map_measure::MapMeasure, natural_places::NaturalPlaces, night_sky::SkyTime,
+    observatory::Observatory, place_sums::Kernels, scene_view::SceneView, slope_light::SlopeLight,
 };
+use rayon::prelude::*;
 use serde::Serialize;
-use skyglow_physics::{BAND_COUNT, Emission, GeoPoint, Horizon, Lamp, Response, Turbidity};
-use skyglow_render::RenderError;
-use skyglow_render::{pack_kind::PackKind, prepare::Prepared, request::RenderRequest};
+use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
+use skyglow_render::{RenderError, pack_kind::PackKind};
 use skyglow_scene::{
-    ChangeId, PatchStore, PlaceKernel, PlaceLattice, PlaceValues, PlaceWindow, PolarGrid, RasterTile, Scene,
-    SceneId, SceneMetadata, SumWay,
+    ChangeId, PatchStore, PlaceLattice, PlaceValues, RasterTile, Scene, SceneId, SceneMetadata, SumWay,
 };
 use skyglow_tables::Scattering;
 use std::{
@@ -25,6 +21,16 @@ use std::{
 pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
+
+/// Which light a map shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub enum MapLight {
+    /// Artificial light alone.
+    #[default]
+    Artificial,
+    /// With the natural sky of an instant, or else with the dark reference.
+    Total(Option<SkyTime>),
+}
 
 /// A request for one map of brightness: under a clear sky, two metres above the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,6 +47,8 @@ pub struct BrightnessRequest {
     pub lamp: Lamp,
     /// What of the sky.
     pub measure: MapMeasure,
+    /// Which light.
+    pub light: MapLight,
     /// What sees the sky.
     pub response: Response,
     /// Where lamps send their light, and what of them the satellite's radiance says.
@@ -52,18 +60,20 @@ pub struct BrightnessRequest {
 }
 
 impl BrightnessRequest {
-    fn kind(&self) -> PackKind {
+    pub(crate) fn kind(&self) -> PackKind {
         PackKind { cloud_base_m: None, scattering: self.scattering }
     }
 }
 
-/// What the response of a request sees of artificial light, by the request's measure and in its unit, at places all over a scene.
+/// What the response of a request sees of its light, by the request's measure and in its unit, at places all over a scene.
 #[derive(Clone, Debug)]
 pub struct BrightnessMap {
     scene: Arc<Scene>,
     places: PlaceValues,
     /// What of the sky.
     pub measure: MapMeasure,
+    /// Which light.
+    pub light: MapLight,
     /// What sees the sky.
     pub response: Response,
     /// How long each step took.
@@ -190,8 +200,30 @@ impl Observatory {
         clock.step("ground");
         let places = (lattice, &altitudes_m[..]);
         let kernels = self.kernels(&scene, request, places, way, &mut |name| clock.step(name))?;
-        let (measure, response) = (request.measure, request.response.clone());
-        Ok(PreparedBrightness { scene, lattice, altitudes_m, kernels, measure, response, steps: clock.steps })
+        let slopes = match request.measure {
+            MapMeasure::Slope if request.terrain_hides && scene.metadata().terrain => {
+                let slopes = SlopeLight::new(self, &scene, request, places)?;
+                clock.step("low sky");
+                Some(slopes)
+            }
+            _ => None,
+        };
+        let natural = NaturalPlaces::new(self, &scene, request, places)?;
+        if natural.is_some() {
+            clock.step("natural sky");
+        }
+        Ok(PreparedBrightness {
+            scene,
+            lattice,
+            altitudes_m,
+            kernels,
+            slopes,
+            natural,
+            measure: request.measure,
+            light: request.light,
+            response: request.response.clone(),
+            steps: clock.steps,
+        })
     }
 
     /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
@@ -201,7 +233,7 @@ impl Observatory {
         if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
     }
 
-    /// What is seen at the places of a lattice; NaN where the altitude is.
+    /// What is seen under an open sky at the places of a lattice; NaN where the altitude is.
     ///
     /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
     ///
@@ -215,94 +247,8 @@ impl Observatory {
         store: &dyn PatchStore,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Vec<f32>, ObservatoryError> {
-        self.kernels(scene, request, places, None, step)?.sums(scene, places, store, step)
-    }
-
-    /// What the packs say each light does to places of a lattice.
-    fn kernels(
-        &self,
-        scene: &Scene,
-        request: &BrightnessRequest,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
-        way: Option<SumWay>,
-        step: &mut dyn FnMut(&'static str),
-    ) -> Result<Kernels, ObservatoryError> {
-        let solver = self.influences.solver(&self.engine);
-        let to_render = |turbidity: Turbidity| RenderRequest {
-            polar: Arc::new(dark()),
-            observer_altitude_m: 0.0,
-            turbidity,
-            scattering: request.scattering,
-            cloud_base_m: None,
-            emission: request.emission.mix(),
-            flux_per_dnb_flux: [1.0; BAND_COUNT],
-            basis: None,
-        };
-        let set = self.engine.table_set();
-        let stencil = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_stencil;
-        let observers_m = altitudes_m.iter().filter(|m| !m.is_nan()).fold(None, |range, &altitude_m| {
-            let [lowest, highest]: [f32; 2] = range.unwrap_or([altitude_m; 2]);
-            Some([lowest.min(altitude_m), highest.max(altitude_m)])
-        });
-        let hides = request.terrain_hides && self.hides_lights(request.kind());
-        let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
-        let (Some(observers_m), Some(lights_m)) = (observers_m, scene.light_altitude_range_m()) else {
-            return Ok(Kernels { of_packs: Vec::new(), weights: Vec::new(), hides, way });
-        };
-        let range =
-            KernelRange { observers_m: observers_m.map(f64::from), lights_m: lights_m.map(f64::from) };
-        let measure = request.measure.weights(&Horizon::flat());
-        let mut of_packs: Vec<Vec<PlaceKernel>> = Vec::new();
-        for pack in stencil.nodes() {
-            let at_pack =
-                to_render(Turbidity::new(set.tables()[pack].turbidity).unwrap_or(request.turbidity));
-            let kernel = |fixture: &skyglow_physics::Fixture| {
-                let (emission, flux_factor) =
-                    request.emission.of_fixture(fixture).map_err(ObservatoryError::Emission)?;
-                let flux_per_dnb_flux = [flux_factor; BAND_COUNT];
-                let of_fixture = RenderRequest { emission, flux_per_dnb_flux, ..at_pack.clone() };
-                let rule = fixture.light(&request.lamp).rule(&request.response);
-                place_kernel(solver, &of_fixture, (&measure, &rule), &range, hides)
-            };
-            let kernels: Result<_, ObservatoryError> = scene.fixtures().iter().map(kernel).collect();
-            of_packs.push(kernels?);
-            step("kernel");
-        }
-        Ok(Kernels { of_packs, weights: stencil.weights().to_vec(), hides, way })
-    }
-}
-
-/// What each light does to places, by the packs around the turbidity, and how lights are summed.
-#[derive(Debug)]
-struct Kernels {
-    /// Of each kind of fixture, by pack; without packs there is no light, or no place.
-    of_packs: Vec<Vec<PlaceKernel>>,
-    weights: Vec<f64>,
-    hides: bool,
-    way: SumWay,
-}
-
-impl Kernels {
-    /// As [`Observatory::seen_at`].
-    fn sums(
-        &self,
-        scene: &Scene,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
-        store: &dyn PatchStore,
-        step: &mut dyn FnMut(&'static str),
-    ) -> Result<Vec<f32>, ObservatoryError> {
-        let mut of_packs: Vec<Vec<f32>> = Vec::new();
-        for (pack, kernels) in self.of_packs.iter().enumerate() {
-            let of_pack = OfPack { store, pack, packs: self.of_packs.len() };
-            let sums = scene.sum_at_places(lattice, altitudes_m, kernels, self.hides, self.way, &of_pack);
-            of_packs.push(sums.ok_or(RenderError::Ended)?);
-            step("sums");
-        }
-        Ok(match of_packs.len() {
-            0 => altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect(),
-            1 => of_packs.swap_remove(0),
-            _ => blended(&of_packs, &self.weights),
-        })
+        let sums = self.kernels(scene, request, places, None, step)?.sums(scene, places, store, step)?;
+        Ok(under_open_sky(request.measure, &sums))
     }
 }
 
@@ -314,7 +260,11 @@ pub struct PreparedBrightness {
     /// Of the eye at every place, metres.
     altitudes_m: Vec<f32>,
     kernels: Kernels,
+    /// Of maps of sloping ground where there is terrain.
+    slopes: Option<SlopeLight>,
+    natural: Option<NaturalPlaces>,
     measure: MapMeasure,
+    light: MapLight,
     response: Response,
     steps: Vec<(&'static str, Duration)>,
 }
@@ -336,15 +286,52 @@ impl PreparedBrightness {
     fn find_here(&self, store: &dyn PatchStore) -> Result<BrightnessMap, ObservatoryError> {
         let mut clock = Clock::new(self.steps.clone());
         let places = (self.lattice, &self.altitudes_m[..]);
-        let values = self.kernels.sums(&self.scene, places, store, &mut |name| clock.step(name))?;
+        let mut sums = self.kernels.sums(&self.scene, places, store, &mut |name| clock.step(name))?;
+        let values = match &self.slopes {
+            None => {
+                self.add_natural(&mut sums);
+                under_open_sky(self.measure, &sums)
+            }
+            Some(slopes) => {
+                let values = slopes.values(&self.scene, places, &sums, self.natural.as_ref());
+                clock.step("horizons");
+                values
+            }
+        };
         Ok(BrightnessMap {
             scene: Arc::clone(&self.scene),
             places: PlaceValues::new(self.lattice, values).ok_or(RenderError::Ended)?,
             measure: self.measure,
+            light: self.light,
             response: self.response.clone(),
             steps: clock.steps,
         })
     }
+
+    /// Adds the natural sky to sums under an open sky.
+    fn add_natural(&self, sums: &mut [Vec<f32>]) {
+        let Some(natural) = &self.natural else { return };
+        let columns = self.lattice.columns as usize;
+        let at = |index: usize| [(index % columns) as u32, (index / columns) as u32];
+        let of_places: Vec<Vec<f64>> = (self.altitudes_m.par_iter().enumerate())
+            .map(|(index, eye_m)| natural.sums_at(at(index), f64::from(*eye_m)))
+            .collect();
+        for (number, sums) in sums.iter_mut().enumerate() {
+            for (sum, of_place) in sums.iter_mut().zip(&of_places) {
+                *sum += of_place.get(number).copied().unwrap_or_default() as f32;
+            }
+        }
+    }
+}
+
+/// The values of a measure from its sums at places.
+fn under_open_sky(measure: MapMeasure, sums: &[Vec<f32>]) -> Vec<f32> {
+    let count = sums.first().map_or(0, Vec::len);
+    let of_place = |place: usize| {
+        let of_place: Vec<f32> = sums.iter().map(|sums| sums[place]).collect();
+        measure.of_sums(&of_place)
+    };
+    (0..count).into_par_iter().map(of_place).collect()
 }
 
 /// How long each step takes.
@@ -370,54 +357,5 @@ fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(cores).build() {
         Ok(threads) => threads.install(work),
         Err(_) => work(),
-    }
-}
-
-/// The patches of one pack among several.
-struct OfPack<'a> {
-    store: &'a dyn PatchStore,
-    pack: usize,
-    packs: usize,
-}
-
-impl OfPack<'_> {
-    fn number(&self, patch: u64) -> u64 {
-        (self.pack as u64) << 48 | patch
-    }
-}
-
-impl PatchStore for OfPack<'_> {
-    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
-        self.store.load(self.number(patch), count)
-    }
-
-    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
-        self.store.store(self.number(patch), sums, (self.pack as f64 + progress) / self.packs as f64)
-    }
-
-    fn wants(&self, places: &PlaceWindow) -> bool {
-        self.store.wants(places)
-    }
-}
-
-/// The logarithms of what the packs say, with their weights; 0 where one says 0.
-fn blended(of_packs: &[Vec<f32>], weights: &[f64]) -> Vec<f32> {
-    let of_place = |place: usize| {
-        let logs = of_packs.iter().zip(weights).map(|(sums, weight)| weight * f64::from(sums[place]).ln());
-        let is_dark = of_packs.iter().any(|sums| sums[place] == 0.0);
-        if is_dark { 0.0 } else { logs.sum::<f64>().exp() as f32 }
-    };
-    (0..of_packs[0].len()).map(of_place).collect()
-}
-
-/// A grid without light.
-fn dark() -> PolarGrid {
-    PolarGrid {
-        observer: GeoPoint::from_rad_unchecked(0.0, 0.0),
-        azimuth_start: vec![0; skyglow_scene::AZIMUTH_COLUMN_COUNT + 1],
-        cells: Vec::new(),
-        near: Vec::new(),
-        flux_dnb_w: 0.0,
-        coverage: 0.0,
     }
 }

@@ -266,6 +266,7 @@ mod tests {
                 scattering: skyglow_tables::Scattering::Multiple,
                 lamp: skyglow_physics::Lamp::default(),
                 measure: crate::MapMeasure::Zenith,
+                light: crate::MapLight::Artificial,
                 response: skyglow_physics::Response::Photopic,
                 emission: skyglow_physics::Emission::default(),
                 terrain_hides: true,

@@ -44,9 +44,9 @@ impl Measure {
     pub(crate) fn weights(&self, horizon: &Horizon) -> Option<LinearMeasure> {
         Some(match self {
             Measure::Norm => return None,
-            Measure::Zenith => MapMeasure::Zenith.weights(horizon),
-            Measure::Mean => MapMeasure::Mean.weights(horizon),
-            Measure::Horizontal => MapMeasure::Horizontal.weights(horizon),
+            Measure::Zenith => LinearMeasure::zenith(horizon),
+            Measure::Mean => LinearMeasure::mean(horizon),
+            Measure::Horizontal => LinearMeasure::horizontal(horizon),
             Measure::Region(curve) => LinearMeasure::region(curve, horizon),
         })
     }
@@ -59,16 +59,6 @@ impl Measure {
             Measure::Mean => MapMeasure::Mean.unit(of_response),
             Measure::Horizontal => MapMeasure::Horizontal.unit(of_response),
             Measure::Region(_) => of_response.to_owned(),
-        }
-    }
-}
-
-impl From<MapMeasure> for Measure {
-    fn from(measure: MapMeasure) -> Self {
-        match measure {
-            MapMeasure::Zenith => Self::Zenith,
-            MapMeasure::Mean => Self::Mean,
-            MapMeasure::Horizontal => Self::Horizontal,
         }
     }
 }

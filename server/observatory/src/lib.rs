@@ -4,6 +4,7 @@ pub mod brightness;
 mod cache_sizes;
 mod change;
 mod clean_directions;
+mod coarse_places;
 mod dark_through_gaps;
 mod darker;
 pub mod error;
@@ -14,8 +15,10 @@ mod influence_map;
 mod influence_part;
 mod influence_summary;
 mod map_measure;
+mod natural_places;
 pub mod night_sky;
 mod observatory;
+mod place_sums;
 mod plan_request;
 mod plan_target;
 pub mod reduction;
@@ -26,10 +29,13 @@ mod scene_view;
 mod shares;
 mod sky;
 mod sky_at_times;
+mod slope_light;
 mod surroundings;
 mod watch;
 
-pub use brightness::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, PreparedBrightness};
+pub use brightness::{
+    BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, MapLight, PreparedBrightness,
+};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};

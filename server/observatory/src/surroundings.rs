@@ -64,18 +64,31 @@ impl Surroundings {
 
     /// The same of a place whose ground is known.
     pub(crate) fn on_ground(ground: Ground, scene: &Scene, request: &SkyRequest, hides_lights: bool) -> Self {
+        let open = Self::under_open_sky(ground, scene, request, hides_lights);
+        let place = request.place;
+        let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
+            let start = Instant::now();
+            (scene.horizon(place, open.altitude_m), start.elapsed())
+        });
+        let slope = if horizon.is_some() { scene.slope(place) } else { Slope::default() };
+        Self { slope, horizon, ..open }
+    }
+
+    /// The same on level ground without its horizon.
+    pub(crate) fn under_open_sky(
+        ground: Ground,
+        scene: &Scene,
+        request: &SkyRequest,
+        hides_lights: bool,
+    ) -> Self {
         let place = request.place;
         let altitude_m = request.observer_height.altitude_m(ground);
         // Below sea level counts as sea level; what is no number stays so and is refused.
         let altitude_m = if altitude_m < 0.0 { 0.0 } else { altitude_m };
         let lights = scene.polar_grids(place, request.terrain_hides && hides_lights);
         let lights = lights.into_iter().map(|(fixture, polar)| (fixture, Arc::new(polar))).collect();
-        let horizon = (request.terrain_hides && scene.metadata().terrain).then(|| {
-            let start = Instant::now();
-            (scene.horizon(place, altitude_m), start.elapsed())
-        });
-        let slope = if horizon.is_some() { scene.slope(place) } else { Slope::default() };
-        Self { lights, ground, altitude_m, calibration: scene.metadata().calibration, slope, horizon }
+        let calibration = scene.metadata().calibration;
+        Self { lights, ground, altitude_m, calibration, slope: Slope::default(), horizon: None }
     }
 
     /// Lamps that changes replace around here where there are none of them by then, each once.

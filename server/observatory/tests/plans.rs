@@ -137,6 +137,7 @@ fn kept_nadir_radiance_is_of_each_fixture() {
             scattering: request.scattering,
             lamp: request.lamp.clone(),
             measure: MapMeasure::Zenith,
+            light: skyglow_observatory::MapLight::Artificial,
             response: Response::Photopic,
             emission,
             terrain_hides: false,

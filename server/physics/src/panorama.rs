@@ -58,6 +58,13 @@ pub fn projected_sr(row: usize) -> f64 {
     TAU / AZIMUTH_COUNT as f64 * 0.5 * (high.sin() * high.sin() - low.sin() * low.sin())
 }
 
+/// ∫ cos φ dΩ over the grid cell around any sample in `row`, sr: exact, so that a uniform sky gives walls ½πL.
+pub fn cos_sr(row: usize) -> f64 {
+    let step = FRAC_PI_2 / ELEVATION_COUNT as f64;
+    let integral = |e: f64| 0.5 * e + 0.25 * (2.0 * e).sin();
+    TAU / AZIMUTH_COUNT as f64 * (integral((row + 1) as f64 * step) - integral(row as f64 * step))
+}
+
 /// Spectral-band radiance of the whole upper hemisphere, W m⁻² sr⁻¹ in each band.
 ///
 /// Shape `[band][row][column]`, bands as in [`crate::Band::ALL`]; row 0 lowest; column 0 north.

@@ -6,11 +6,13 @@
 
 use crate::{
     horizon::Horizon,
-    panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, elevation_rad, projected_sr, solid_angle_sr},
+    panorama::{
+        AZIMUTH_COUNT, ELEVATION_COUNT, azimuth_rad, cos_sr, elevation_rad, projected_sr, solid_angle_sr,
+    },
     sky_curve::SkyCurve,
     sky_quantities::ZENITH_CAP_RAD,
 };
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A weight for every direction of the grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,29 @@ impl LinearMeasure {
                 if horizon.hides_sample(row, column) { 0.0 } else { projected_sr(row) }
             },
         )
+    }
+
+    /// Cylindrical illuminance (1/π) ∫ L cos φ dΩ of the visible sky, lux.
+    pub fn cylindrical(horizon: &Horizon) -> Self {
+        Self::of_weights(|row, column| if horizon.hides_sample(row, column) { 0.0 } else { cos_sr(row) / PI })
+    }
+
+    /// Spherical illuminance ¼ ∫ L dΩ of the visible sky, lux.
+    pub fn spherical(horizon: &Horizon) -> Self {
+        Self::of_weights(
+            |row, column| {
+                if horizon.hides_sample(row, column) { 0.0 } else { 0.25 * solid_angle_sr(row) }
+            },
+        )
+    }
+
+    /// ∫ L cos φ (1 + cos(m(θ − θ₀))) dΩ of the open sky for an order m, lux: what the waves by azimuth of the light on walls are told
+    /// from without a weight below 0.
+    pub fn wall_wave(order: u8, first_azimuth_rad: f64) -> Self {
+        let order = f64::from(order);
+        Self::of_weights(|row, column| {
+            cos_sr(row) * (1.0 + (order * (azimuth_rad(column) - first_azimuth_rad)).cos()).max(0.0)
+        })
     }
 
     fn mean_over(horizon: &Horizon, counts: impl Fn(usize, usize) -> bool) -> Self {

@@ -7,7 +7,7 @@
 use crate::{
     horizon::Horizon,
     panorama::{
-        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, elevation_rad, projected_sr, solid_angle_sr,
+        AZIMUTH_COUNT, Direction, ELEVATION_COUNT, azimuth_rad, cos_sr, projected_sr, solid_angle_sr,
     },
     spectrum::{Light, NODE_COUNT, Response},
 };
@@ -285,14 +285,6 @@ impl BeamSums {
     pub fn horizontal(&self, response: &Response) -> f64 {
         self.light.rule(response).value(self.horizontal)
     }
-}
-
-/// ∫ cos e dΩ over the cell around any sample in `row`, sr.
-fn cos_sr(row: usize) -> f64 {
-    let half_step = 0.25 * PI / ELEVATION_COUNT as f64;
-    let (low, high) = (elevation_rad(row) - half_step, elevation_rad(row) + half_step);
-    let integral = |e: f64| 0.5 * e + 0.25 * (2.0 * e).sin();
-    2.0 * PI / AZIMUTH_COUNT as f64 * (integral(high) - integral(low))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Tests of [`super`].
 
 use super::*;
-use crate::spectrum::Spectrum;
+use crate::{panorama::elevation_rad, spectrum::Spectrum};
 use proptest::prelude::*;
 
 /// ∫ L max(0, n·v) dΩ, direction by direction.

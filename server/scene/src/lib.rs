@@ -85,7 +85,7 @@ pub use metadata::{
     Confidence, ExamplePlace, GridMetadata, IngestReport, NamedPlace, NoiseReport, PixelCount, Recognition,
     SceneMetadata, TerrainReport, is_within,
 };
-pub use place_kernel::{PlaceKernel, UniformAxis};
+pub use place_kernel::{AzimuthFactor, PlaceKernel, UniformAxis};
 pub use polar_grid::{AZIMUTH_COLUMN_COUNT, NearLight, PolarCell, PolarGrid, RING_COUNT, ring_distance_m};
 pub use scene::{Prepared, Scene, SumWay};
 pub use scene_id::SceneId;

@@ -2,8 +2,10 @@
 //! such as its luminance at the zenith.
 
 use crate::polar_grid::{RING_COUNT, log_distance};
+use glam::{DVec3, Vec2, Vec3};
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, MIN_SOURCE_DISTANCE_M};
+use std::sync::Arc;
 
 /// Evenly spaced nodes, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +53,69 @@ impl UniformAxis {
     }
 }
 
+/// How what a light does to a place depends on the azimuth in which it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AzimuthFactor {
+    /// Not at all.
+    Even,
+    /// north·cos(m·azimuth) + east·sin(m·azimuth) for an order m.
+    Wave {
+        /// m, at least 1.
+        order: u8,
+        /// Weight of the cosine.
+        north: f32,
+        /// Weight of the sine.
+        east: f32,
+    },
+}
+
+impl AzimuthFactor {
+    /// Its value for a light in a horizontal direction, [east, north] of length 1; for a light right below or above no wave has any.
+    #[inline(always)]
+    pub fn towards(self, direction: Vec2) -> f32 {
+        let Vec2 { x: sin, y: cos } = direction;
+        match self {
+            Self::Even => 1.0,
+            Self::Wave { order, north, east } => {
+                // De Moivre.
+                let (mut wave_cos, mut wave_sin) = (cos, sin);
+                for _ in 1..order {
+                    (wave_cos, wave_sin) = (wave_cos * cos - wave_sin * sin, wave_cos * sin + wave_sin * cos);
+                }
+                north * wave_cos + east * wave_sin
+            }
+        }
+    }
+}
+
+/// East and north at a place, as unit vectors in the Earth-centred frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Compass([Vec3; 2]);
+
+impl Compass {
+    /// At a place by its unit vector; at the poles east is as at longitude 0.
+    pub(crate) fn at(up: DVec3) -> Self {
+        let east = DVec3::Z.cross(up).try_normalize().unwrap_or(DVec3::Y);
+        Self([east.as_vec3(), up.cross(east).as_vec3()])
+    }
+
+    /// The horizontal direction, [east, north] of length 1, of what lies away from the place; 0 where it has none.
+    #[inline(always)]
+    pub(crate) fn towards(&self, away: Vec3) -> Vec2 {
+        Vec2::new(self.0[0].dot(away), self.0[1].dot(away)).normalize_or_zero()
+    }
+}
+
+/// A table of a kernel, and how it counts by azimuth.
+#[derive(Clone, Debug, PartialEq)]
+struct Part {
+    factor: AzimuthFactor,
+    /// `[altitude][ring][offset][blocking]`, per DNB watt.
+    values: Arc<[f32]>,
+}
+
 /// What one DNB watt adds to a number at a place, by the place's altitude, distance, height of the light over the place and
-/// the light's skyline. Linear between its nodes, in ln(distance) as polar grids have it.
+/// the light's skyline, and the azimuth of the light where it counts. Linear between its nodes, in ln(distance) as polar grids have it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceKernel {
     /// Altitudes of the place, metres above sea level.
@@ -61,8 +124,8 @@ pub struct PlaceKernel {
     offsets: UniformAxis,
     /// Blocking angles: 1, the open sky, or all.
     blocking_count: usize,
-    /// `[altitude][ring][offset][blocking]`, per DNB watt.
-    values: Vec<f32>,
+    /// At least one; they add up.
+    parts: Vec<Part>,
 }
 
 /// A distance on the rings of a polar grid: the ring below and the weight of the next.
@@ -127,7 +190,38 @@ impl PlaceKernel {
             && offsets.count >= 2
             && (blocking_count == 1 || blocking_count == BLOCKING_COUNT)
             && values.len() == altitudes.count * RING_COUNT * offsets.count * blocking_count;
-        fits.then_some(Self { altitudes, offsets, blocking_count, values })
+        let parts = vec![Part { factor: AzimuthFactor::Even, values: values.into() }];
+        fits.then_some(Self { altitudes, offsets, blocking_count, parts })
+    }
+
+    /// A sum of kernels that know no azimuth, each with a factor by the azimuth of the light; None where there are none, or for
+    /// kernels with other nodes than the first.
+    pub fn of_waves<'a>(kernels: impl IntoIterator<Item = (&'a Self, AzimuthFactor)>) -> Option<Self> {
+        let mut sum: Option<Self> = None;
+        for (kernel, factor) in kernels {
+            let parts = kernel.parts.iter().map(|part| Part { factor, values: Arc::clone(&part.values) });
+            match &mut sum {
+                None => sum = Some(Self { parts: parts.collect(), ..kernel.clone() }),
+                Some(sum) if kernel.has_nodes_of(sum) => sum.parts.extend(parts),
+                Some(_) => return None,
+            }
+        }
+        sum
+    }
+
+    fn has_nodes_of(&self, other: &Self) -> bool {
+        (self.altitudes, self.offsets, self.blocking_count)
+            == (other.altitudes, other.offsets, other.blocking_count)
+    }
+
+    /// Whether the azimuth of a light counts; then sums may be below 0.
+    pub(crate) fn knows_azimuth(&self) -> bool {
+        self.factors().any(|factor| factor != AzimuthFactor::Even)
+    }
+
+    /// How its parts count by azimuth.
+    pub(crate) fn factors(&self) -> impl Iterator<Item = AzimuthFactor> {
+        self.parts.iter().map(|part| part.factor)
     }
 
     /// The altitudes of places.
@@ -144,18 +238,42 @@ impl PlaceKernel {
     ///
     /// * `offset_m`: height of the light over the place.
     /// * `blocking`: place on the axis of blocking angles, 0..=7.
+    /// * `towards`: the light, [east, north] of length 1; of no account where it knows no azimuth.
     #[inline(always)]
-    pub(crate) fn at(&self, altitude: usize, ring: RingPosition, offset_m: f32, blocking: f32) -> f32 {
+    pub(crate) fn at(
+        &self,
+        altitude: usize,
+        ring: RingPosition,
+        offset_m: f32,
+        blocking: f32,
+        towards: Vec2,
+    ) -> f32 {
+        let Some((first, others)) = self.parts.split_first() else { return 0.0 };
+        let mut sum = first.factor.towards(towards) * self.of_part(first, altitude, ring, offset_m, blocking);
+        for part in others {
+            sum += part.factor.towards(towards) * self.of_part(part, altitude, ring, offset_m, blocking);
+        }
+        sum
+    }
+
+    /// A part by its number at a ring, under an open sky, whatever the azimuth.
+    pub(crate) fn on_ring(&self, part: usize, altitude: usize, ring: usize, offset_m: f32) -> f32 {
+        let part = self.parts.get(part);
+        part.map_or(0.0, |part| self.of_part(part, altitude, RingPosition::node(ring), offset_m, 0.0))
+    }
+
+    #[inline(always)]
+    fn of_part(&self, part: &Part, altitude: usize, ring: RingPosition, offset_m: f32, blocking: f32) -> f32 {
         let (below, up) = self.offsets.position(offset_m);
         let of_ring = |ring: usize| {
             let start = ((altitude * RING_COUNT + ring) * self.offsets.count + below) * self.blocking_count;
             if self.blocking_count == 1 {
-                let values = &self.values[start..start + 2];
+                let values = &part.values[start..start + 2];
                 return values[0] + up * (values[1] - values[0]);
             }
             let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
             let along = blocking - lower as f32;
-            let values = &self.values[start + lower..start + lower + BLOCKING_COUNT + 2];
+            let values = &part.values[start + lower..start + lower + BLOCKING_COUNT + 2];
             let of_offset = |first: usize| values[first] + along * (values[first + 1] - values[first]);
             let (low, high) = (of_offset(0), of_offset(BLOCKING_COUNT));
             low + up * (high - low)
@@ -169,6 +287,7 @@ impl PlaceKernel {
 mod tests {
     use super::*;
     use crate::polar_grid::ring_distance_m;
+    use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
     #[test]
     fn nodes_are_found_and_between_them_it_is_linear() {
@@ -192,13 +311,13 @@ mod tests {
                 let place = RingPosition::of_square(distance_m * distance_m * 0.999_999).unwrap();
                 assert!((place.log_distance() - log_distance(f64::from(distance_m))).abs() < 1e-4);
                 let blocking = if blocking_count == 1 { 0.0 } else { 6.5 };
-                let got = kernel.at(2, place, -130.0, blocking);
+                let got = kernel.at(2, place, -130.0, blocking, Vec2::ZERO);
                 let wanted = value(2, ring, 0, 0) as f64 + 40.0 * 0.7 + 3.0 * f64::from(blocking);
                 assert!((f64::from(got) - wanted).abs() < 0.02, "{got} {wanted}");
             }
             let near = RingPosition::of_square(0.0).unwrap();
-            assert_eq!(kernel.at(0, near, -900.0, 0.0), value(0, 0, 0, 0));
-            assert_eq!(kernel.at(0, near, 900.0, 0.0), value(0, 0, 4, 0));
+            assert_eq!(kernel.at(0, near, -900.0, 0.0, Vec2::ZERO), value(0, 0, 0, 0));
+            assert_eq!(kernel.at(0, near, 900.0, 0.0, Vec2::ZERO), value(0, 0, 4, 0));
         }
         assert!(RingPosition::of_square(300_100f32.powi(2)).is_none());
         assert!(RingPosition::of_square(f32::NAN).is_none());
@@ -208,5 +327,35 @@ mod tests {
             let axis = UniformAxis::between(-3.3, range_m - 3.3, 50.0, 255);
             assert!(axis.count <= 256 && (axis.node_m(axis.count - 1) - range_m + 3.3).abs() < 1e-6);
         }
+    }
+
+    /// Waves count by the azimuth of the light, as their order says, and kernels with other nodes do not add up.
+    #[test]
+    fn waves_turn_with_the_light() {
+        let axis = UniformAxis { first_m: 0.0, step_m: 100.0, count: 2 };
+        let even = |value: f32, axis: UniformAxis| {
+            PlaceKernel::new(axis, axis, 1, vec![value; 4 * RING_COUNT]).unwrap()
+        };
+        let wave = |order: u8, north: f32, east: f32| AzimuthFactor::Wave { order, north, east };
+        let (one, two) = (even(1.0, axis), even(2.0, axis));
+        let parts = [(&two, AzimuthFactor::Even), (&one, wave(1, 0.5, 0.25)), (&two, wave(2, 0.5, 0.25))];
+        let kernel = PlaceKernel::of_waves(parts).unwrap();
+        assert!(kernel.knows_azimuth() && !two.knows_azimuth());
+        let up = GeoPoint::from_deg(46.0, 8.0).unwrap();
+        let compass = Compass::at(up.unit_vector());
+        for azimuth_deg in [0.0f64, 30.0, 135.0, 260.0] {
+            let azimuth_rad = azimuth_deg.to_radians();
+            let away = up.destination(azimuth_rad, 1e4).unit_vector() - up.unit_vector();
+            let towards = compass.towards((EARTH_RADIUS_M * away).as_vec3());
+            let ring = RingPosition::of_square(1e8).unwrap();
+            let (one, two) = (azimuth_rad.sin_cos(), (2.0 * azimuth_rad).sin_cos());
+            let wanted = 2.0 + 0.5 * one.1 + 0.25 * one.0 + 2.0 * (0.5 * two.1 + 0.25 * two.0);
+            let found = f64::from(kernel.at(0, ring, 0.0, 0.0, towards));
+            assert!((found - wanted).abs() < 1e-4, "{azimuth_deg}: {found} {wanted}");
+        }
+        let other = even(1.0, UniformAxis { step_m: 90.0, ..axis });
+        assert!(
+            PlaceKernel::of_waves([(&one, AzimuthFactor::Even), (&other, AzimuthFactor::Even)]).is_none()
+        );
     }
 }

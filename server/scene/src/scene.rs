@@ -86,6 +86,20 @@ impl Scene {
         self.terrain.horizon(place, eye_altitude_m.max(self.ground(place).altitude_m()))
     }
 
+    /// tan of that elevation towards some azimuths, radians, 1 % and 0.007° too low at most.
+    ///
+    /// * `sights`: azimuths, and what the tangents are at least, itself at least 0: no time is spent below it.
+    ///
+    /// Takes some microseconds for each azimuth.
+    pub fn coarse_horizon<const N: usize>(
+        &self,
+        place: GeoPoint,
+        eye_altitude_m: f64,
+        sights: [(f64, f64); N],
+    ) -> [f64; N] {
+        self.terrain.coarse_tangents(place, eye_altitude_m, sights)
+    }
+
     /// Ground seen by an eye over a place, along azimuths: the first, radians clockwise from north, the step between them, and how many.
     ///
     /// * `eye_altitude_m`: metres above sea level; below the ground counts as on it.

@@ -9,8 +9,8 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources};
 use skyglow_scene::{
-    Area, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, SumWay, UniformAxis,
-    ring_distance_m,
+    Area, AzimuthFactor, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, SumWay,
+    UniformAxis, ring_distance_m,
 };
 
 /// About what a light does to the zenith: falls ever faster with distance, less from above and behind a skyline.
@@ -134,6 +134,47 @@ fn dual_tree_sums_match_direct_sums() {
         raster.geotransform = [west, STEP, 0.0, north, 0.0, -STEP];
         let scene = TestStore::new().scene(&raster);
         assert_small(&errors(&scene, 9_973, false, direct_sum), 1e-3, 4e-3);
+    }
+}
+
+/// Waves by the azimuth of the light sum up as they do one by one, whatever their sign.
+#[test]
+fn waves_match_direct_sums() {
+    for (west, north) in [(36.0, 1.0), (178.7, -15.0), (20.0, 70.0)] {
+        let mut raster = TestRaster::scattered(300, 260);
+        raster.geotransform = [west, STEP, 0.0, north, 0.0, -STEP];
+        let scene = TestStore::new().scene(&raster);
+        let lattice = scene.place_lattice(usize::MAX);
+        let altitudes_m: Vec<f32> =
+            scene.ground_altitudes_m(lattice).iter().map(|ground_m| ground_m + 2.0).collect();
+        for (order, to_north, to_east) in [(1u8, 1.0f32, 0.0f32), (1, 0.0, 1.0), (2, 1.0, 0.0), (2, 0.0, 1.0)]
+        {
+            let factor = AzimuthFactor::Wave { order, north: to_north, east: to_east };
+            let kernels = [PlaceKernel::of_waves([(&kernel(false), factor)]).unwrap()];
+            let sum = |way| {
+                scene.sum_at_places(lattice, &altitudes_m, &kernels, false, way, &|_: f64| true).unwrap()
+            };
+            let ways = [sum(SumWay::DualTree), sum(SumWay::Convolution)];
+            let mut largest = 0f64;
+            for at in (0..lattice.len()).step_by(3_989) {
+                let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+                let (place, altitude_m) = (scene.pixel_center(column, row), f64::from(altitudes_m[at]));
+                let pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
+                let [mut even, mut wave] = [0.0; 2];
+                for source in point_sources(place, &pixels) {
+                    let offset_m = source.altitude_m - altitude_m;
+                    let one = source.flux_dnb_w * on_rings(altitude_m, source.distance_m, offset_m);
+                    let (sin, cos) = (f64::from(order) * source.azimuth_rad).sin_cos();
+                    even += one;
+                    wave += one * (f64::from(to_north) * cos + f64::from(to_east) * sin);
+                }
+                for sums in &ways {
+                    largest = largest.max((f64::from(sums[at]) - wave).abs() / even);
+                }
+            }
+            println!("{north} {order} {to_north}: {largest:.2e}");
+            assert!(largest <= 8e-3, "{north} {order} {to_north}: {largest}");
+        }
     }
 }
 

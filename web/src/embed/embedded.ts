@@ -47,7 +47,7 @@ export function embedUrl(viewerAddress: string): string {
   const { hash } = new URL(viewerAddress);
   const url = new URL("./embed", viewerAddress);
   // What the frame has no use for.
-  url.hash = hash.replace(/&(map|pins|report|measure|region|split|radiance|brightness|influence|elevation)=[^&]*/g, "");
+  url.hash = hash.replace(/&(map|pins|report|measure|surface|region|split|radiance|brightness|influence|elevation)=[^&]*/g, "");
   return url.href;
 }
 

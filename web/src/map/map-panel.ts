@@ -111,10 +111,13 @@ export class MapPanel {
     store.watch(["isAway"], ({ isAway }) => {
       if (!isAway) map.refreshTiles();
     });
-    store.watch([sceneOf, besideScene, "place", ...CONDITIONS, "layers", "measure", "region", "isTrying", "isAway"], (state) => {
-      if (state.isAway) return;
-      for (const layer of LAYERS) showLayer(map, layer, state);
-    });
+    store.watch(
+      [sceneOf, besideScene, "place", ...CONDITIONS, "layers", "measure", "surface", "region", "isTrying", "isAway"],
+      (state) => {
+        if (state.isAway) return;
+        for (const layer of LAYERS) showLayer(map, layer, state);
+      },
+    );
   }
 }
 
@@ -137,12 +140,12 @@ function layerRequest(
   conditions: Conditions,
   beside: Scene | null = null,
 ): LayerRequest | null {
-  const { place, clouds, layers, measure } = state;
+  const { place, clouds, layers } = state;
   const { scenario } = conditions;
   const scene = beside ?? sceneOf(state);
   const query = {
     elevation: scene?.terrain === true ? {} : null,
-    brightness: clouds === null ? { ...conditions, ...ofMeasure(mapMeasure(measure)) } : null,
+    brightness: clouds === null ? { ...conditions, ...ofMeasure(mapMeasure(state)) } : null,
     radiance: scenario === undefined ? {} : { scenario },
     influence: place === null ? null : influenceQuery(state, place, conditions),
   }[layer];

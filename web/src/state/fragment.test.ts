@@ -32,6 +32,7 @@ const EVERYTHING: ViewState = {
   land: "snow",
   unit: "ratio",
   measure: "region",
+  surface: "slope",
   region: [
     { azimuthDeg: 350, elevationDeg: 2.5 },
     { azimuthDeg: 20.5, elevationDeg: 3 },

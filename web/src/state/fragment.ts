@@ -17,6 +17,7 @@ import {
   type Place,
   RESPONSES,
   SCATTERINGS,
+  SURFACES,
   type ViewState,
 } from "./view-state.ts";
 
@@ -123,6 +124,7 @@ export function stateFromFragment(fragment: string): ViewState {
     land: oneOf(query.get("land"), LANDS, DEFAULT_STATE.land),
     unit: oneOf(query.get("unit"), UNITS, DEFAULT_STATE.unit),
     measure: measure === "region" && region === null ? DEFAULT_STATE.measure : measure,
+    surface: SURFACES.find((name) => name === query.get("surface")) ?? null,
     region,
     pins: pinsFromText(query.get("pins")),
     isReport: query.get("report") === "on",
@@ -174,6 +176,7 @@ export function fragmentFromState(state: ViewState): string {
   add("land", state.land, DEFAULT_STATE.land);
   add("unit", state.unit, DEFAULT_STATE.unit);
   add("measure", state.measure, DEFAULT_STATE.measure);
+  add("surface", state.surface, null);
   add("region", state.region === null ? null : textFromRegion(state.region), null);
   const pins = state.pins.map(({ latitude_deg, longitude_deg }) => `${+latitude_deg.toFixed(5)},${+longitude_deg.toFixed(5)}`);
   add("pins", pins.join(";"), "");

@@ -28,12 +28,16 @@ const COLOURED: readonly LayerName[] = ["brightness", "radiance", "influence"];
 export const MEASURES = ["zenith", "mean", "horizontal", "norm", "region"] as const;
 export type MeasureName = (typeof MEASURES)[number];
 
-/** What of the open sky a map of all places shows. */
-export type MapMeasure = "zenith" | "mean" | "horizontal";
+/** Surfaces of which a map of all places shows the light, though no light has its part in that: what only maps have. */
+export const SURFACES = ["slope", "vertical_largest", "cylindrical"] as const;
+export type SurfaceName = (typeof SURFACES)[number];
 
-/** The measure of a map of all places: that of the influences where maps have it, else the zenith. */
-export function mapMeasure(measure: MeasureName): MapMeasure {
-  return measure === "mean" || measure === "horizontal" ? measure : "zenith";
+/** What of the sky a map of all places shows. */
+export type MapMeasure = "zenith" | "mean" | "horizontal" | SurfaceName;
+
+/** The measure of a map of all places: a surface where one is chosen, else that of the influences where maps have it, else the zenith. */
+export function mapMeasure({ measure, surface }: Pick<ViewState, "measure" | "surface">): MapMeasure {
+  return surface ?? (measure === "mean" || measure === "horizontal" ? measure : "zenith");
 }
 
 /** What sees the sky, as far as the viewer offers it; the default first. */
@@ -104,6 +108,8 @@ export interface ViewState {
   unit: BrightnessUnit;
   /** Of the layers of influence and of brightness; `region` only where there is one. */
   measure: MeasureName;
+  /** Of the layer of brightness instead; null: there is none. */
+  surface: SurfaceName | null;
   /** The part of the sky that is marked. */
   region: Region | null;
   /** Places that are compared. */
@@ -143,6 +149,7 @@ export const DEFAULT_STATE: Readonly<ViewState> = {
   land: "dark",
   unit: "magnitude",
   measure: "zenith",
+  surface: null,
   region: null,
   pins: [],
   isReport: false,

@@ -3,7 +3,7 @@
 import { words } from "../language/words.ts";
 import { type AppState, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { LAYERS, type LayerName, type MeasureName, mapMeasure, withLayer } from "../state/view-state.ts";
+import { LAYERS, type LayerName, type MeasureName, mapMeasure, SURFACES, withLayer } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
 import { showLayerState } from "./layer-legend.ts";
 import { setRegionOption } from "./select.ts";
@@ -18,10 +18,13 @@ export function mountLayerPanel(store: AppStore): void {
     measure.hidden = state.layers.influence === 0;
   });
   const ofMap = byId("map-measure", HTMLSelectElement);
-  ofMap.addEventListener("change", () => store.set({ measure: ofMap.value as MeasureName }));
-  store.watch(["measure", "layers"], ({ measure, layers }) => {
-    ofMap.value = mapMeasure(measure);
-    ofMap.hidden = layers.brightness === 0;
+  ofMap.addEventListener("change", () => {
+    const surface = SURFACES.find((name) => name === ofMap.value) ?? null;
+    store.set(surface === null ? { measure: ofMap.value as MeasureName, surface } : { surface });
+  });
+  store.watch(["measure", "surface", "layers"], (state) => {
+    ofMap.value = mapMeasure(state);
+    ofMap.hidden = state.layers.brightness === 0;
   });
 }
 

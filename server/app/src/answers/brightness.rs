@@ -3,11 +3,10 @@
 use super::{
     EmissionAnswer, LampAnswer, ResponseAnswer, SceneReference,
     assumptions::{hides_lights, open_lights_warning},
-    measure_name,
 };
 use crate::facts::SourceFacts;
 use serde::Serialize;
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MapMeasure};
+use skyglow_observatory::{BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MapLight, MapMeasure};
 use skyglow_physics::Response;
 use skyglow_scene::{ChangeId, SceneMetadata};
 
@@ -28,8 +27,13 @@ pub struct BrightnessAssumptions {
     pub scattering: String,
     /// Lambertian albedo of the ground; null where scattering is single.
     pub ground_albedo: Option<f64>,
-    /// `zenith`, `mean` or `horizontal`.
+    /// As it is asked for: `zenith`, `horizontal`, `slope`.
     pub measure: String,
+    /// `artificial` light alone, or `total` with the natural sky.
+    pub sky: String,
+    /// The time that the natural sky is of; absent for artificial light alone and for the dark reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
     /// The lamp.
     pub lamp: LampAnswer,
     /// What sees the sky.
@@ -45,19 +49,64 @@ pub struct BrightnessAssumptions {
 }
 
 /// What a map of brightness shows, in words.
-pub fn brightness_shows(measure: MapMeasure, response: &Response) -> String {
+pub fn brightness_shows(measure: MapMeasure, light: MapLight, response: &Response) -> String {
     let [photopic, other] = match measure {
         MapMeasure::Zenith => ["artificial luminance at the zenith", "artificial light at the zenith"],
         MapMeasure::Mean => ["mean artificial luminance of the sky", "mean artificial light of the sky"],
         MapMeasure::Horizontal => {
             ["horizontal illuminance by artificial light", "artificial light on level ground"]
         }
+        MapMeasure::Slope => [
+            "illuminance of the ground as it slopes, by artificial light of the sky",
+            "artificial light of the sky on the ground as it slopes",
+        ],
+        MapMeasure::VerticalNorth => WALLS[0],
+        MapMeasure::VerticalEast => WALLS[1],
+        MapMeasure::VerticalSouth => WALLS[2],
+        MapMeasure::VerticalWest => WALLS[3],
+        MapMeasure::VerticalLargest => [
+            "illuminance of the wall that receives most artificial light of the sky",
+            "artificial light of the sky on the wall that receives most",
+        ],
+        MapMeasure::Cylindrical => {
+            ["cylindrical illuminance by artificial light", "artificial light on a small upright cylinder"]
+        }
+        MapMeasure::Spherical => {
+            ["spherical illuminance by artificial light", "artificial light on a small sphere"]
+        }
     };
-    match response {
+    let artificial = match response {
         Response::Photopic => photopic.to_owned(),
         response => format!("{other}, {}", response.name()),
+    };
+    match light {
+        MapLight::Artificial => artificial,
+        MapLight::Total(None) => format!("{artificial}; the dark reference of the natural sky is added"),
+        MapLight::Total(Some(time)) => {
+            format!("{artificial}; the natural sky of {} is added", time.instant.to_rfc3339())
+        }
     }
 }
+
+/// What maps of walls that face north, east, south and west show.
+const WALLS: [[&str; 2]; 4] = [
+    [
+        "illuminance of walls that face north, by artificial light of the sky",
+        "artificial light of the sky on walls that face north",
+    ],
+    [
+        "illuminance of walls that face east, by artificial light of the sky",
+        "artificial light of the sky on walls that face east",
+    ],
+    [
+        "illuminance of walls that face south, by artificial light of the sky",
+        "artificial light of the sky on walls that face south",
+    ],
+    [
+        "illuminance of walls that face west, by artificial light of the sky",
+        "artificial light of the sky on walls that face west",
+    ],
+];
 
 impl BrightnessAssumptions {
     /// Those of a map.
@@ -79,6 +128,8 @@ impl BrightnessAssumptions {
             "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
                 .to_owned();
         let open = open_lights_warning(request.terrain_hides, scene, kind);
+        let is_level = request.measure == MapMeasure::Slope && !(request.terrain_hides && scene.terrain);
+        let level = is_level.then(|| "without terrain the ground is level under an open sky".to_owned());
         Self {
             scene: scene.into(),
             scenario: request.scenario.as_ref().map(ChangeId::to_string),
@@ -87,13 +138,18 @@ impl BrightnessAssumptions {
             turbidity: request.turbidity.value(),
             scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
-            measure: measure_name(&request.measure.into()).to_owned(),
+            measure: request.measure.name().to_owned(),
+            sky: if request.light == MapLight::Artificial { "artificial" } else { "total" }.to_owned(),
+            time: match request.light {
+                MapLight::Total(time) => time.map(|time| time.instant.to_rfc3339()),
+                MapLight::Artificial => None,
+            },
             lamp: (&request.lamp).into(),
             response: (&request.response).into(),
             emission: request.emission.into(),
             hidden_lights: hides_lights(request.terrain_hides, scene, kind),
             step_pixels,
-            warnings: std::iter::once(edge).chain(open).collect(),
+            warnings: std::iter::once(edge).chain(open).chain(level).collect(),
         }
     }
 }

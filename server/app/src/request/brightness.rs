@@ -1,13 +1,14 @@
 //! Requests for the brightness of all places.
 
-use super::sky::read_conditions;
+use super::sky::{read_conditions, read_light, read_time};
 use crate::{
     error::AppError,
     facts::SourceFacts,
     parameters::{self as p, BrightnessParameters, ParameterSet},
     reader::Reader,
 };
-use skyglow_observatory::{BrightnessRequest, MapMeasure};
+use skyglow_display::Sky;
+use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure};
 use skyglow_scene::SceneId;
 
 /// Reads the parameters of the sky's brightness at every place.
@@ -22,16 +23,31 @@ pub fn brightness(
     let mut reader = Reader::new(query, BrightnessParameters::ALL);
     let conditions = read_conditions(&mut reader, facts);
     let measure = read_map_measure(&mut reader);
+    let sky = read_light(&mut reader);
+    let turbidity = conditions.as_ref().map(|conditions| conditions.turbidity());
+    let time = read_time(&mut reader, &p::TIME, facts, turbidity);
     reader.finish()?;
-    let conditions = conditions.ok_or_else(|| AppError::internal("a map was neither read nor refused"))?;
-    Ok(conditions.over_all(scene, measure, facts.max_places))
+    let (Some(conditions), Some(time)) = (conditions, time) else {
+        return Err(AppError::internal("a map was neither read nor refused"));
+    };
+    let light = if sky == Sky::Total { MapLight::Total(time) } else { MapLight::Artificial };
+    Ok(BrightnessRequest { light, ..conditions.over_all(scene, measure, facts.max_places) })
 }
 
 /// What of the sky a map shows.
 pub(super) fn read_map_measure(reader: &mut Reader) -> MapMeasure {
-    match reader.choice(&p::MAP_MEASURE) {
-        Some("mean") => MapMeasure::Mean,
-        Some("horizontal") => MapMeasure::Horizontal,
-        _ => MapMeasure::Zenith,
+    reader.choice(&p::MAP_MEASURE).and_then(MapMeasure::named).unwrap_or(MapMeasure::Zenith)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Kind;
+
+    /// Every measure of a map can be asked for, by the name that it has.
+    #[test]
+    fn all_measures_can_be_asked_for() {
+        let Kind::Choice(names) = p::MAP_MEASURE.kind else { panic!("a measure is chosen") };
+        assert_eq!(names, MapMeasure::ALL.map(MapMeasure::name));
     }
 }

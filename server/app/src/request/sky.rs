@@ -12,7 +12,7 @@ use crate::{
 };
 use skyglow_celestial::{CelestialError, Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
 use skyglow_display::Sky;
-use skyglow_observatory::{BrightnessRequest, MapMeasure, ObserverHeight, SkyRequest, SkyTime};
+use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure, ObserverHeight, SkyRequest, SkyTime};
 use skyglow_physics::{BrokenClouds, Emission, GeoPoint, Lamp, Response, Turbidity};
 use skyglow_scene::{ChangeId, SceneId};
 use skyglow_tables::{Clouds, Scattering};
@@ -136,6 +136,7 @@ impl Conditions {
         measure: MapMeasure,
         max_places: usize,
     ) -> BrightnessRequest {
+        let light = MapLight::Artificial;
         let Self { scenario, turbidity, scattering, lamp, response, emission, terrain_hides, .. } = self;
         BrightnessRequest {
             scene,
@@ -144,6 +145,7 @@ impl Conditions {
             scattering,
             lamp,
             measure,
+            light,
             response,
             emission,
             terrain_hides,

@@ -21,11 +21,11 @@ use axum::{
 use skyglow_app::{
     accept::InfluenceFormat,
     answers::{TileJson, standards::finest_zoom},
-    negotiated_parameters::OptionalInfluenceParameters,
+    negotiated_parameters::LayerParameters,
     request::{brightness, influence, scene_id},
 };
 use skyglow_display::tile::{INFLUENCE_SPAN, RADIANCE_RANGE_NW_CM2_SR};
-use skyglow_observatory::{MapMeasure, Measure};
+use skyglow_observatory::{MapLight, MapMeasure, Measure};
 use skyglow_physics::Response as ResponseKind;
 use skyglow_scene::{SceneMetadata, TileLayer};
 
@@ -38,7 +38,7 @@ use skyglow_scene::{SceneMetadata, TileLayer};
     params(
         ("scene" = String, Path, description = "The scene's id"),
         ("layer" = String, Path, description = "`radiance`, `elevation`, `brightness` or `influence`"),
-        OptionalInfluenceParameters,
+        LayerParameters,
     ),
     responses(
         (status = 200, description = "The description", body = TileJson),
@@ -66,7 +66,7 @@ pub async fn get_tilejson(
         }
         MapLayer::Brightness => {
             let request = brightness(query.as_deref(), id, facts)?;
-            let seen = (request.measure, request.response.clone());
+            let seen = (request.measure, request.light, request.response.clone());
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
             let version = tile_version(&prepared.key)?;
@@ -97,8 +97,8 @@ enum Shown {
         query: Option<String>,
     },
     Brightness {
-        /// What of the sky, and what sees it.
-        seen: (MapMeasure, ResponseKind),
+        /// What of the sky, which light, and what sees it.
+        seen: (MapMeasure, MapLight, ResponseKind),
         /// As it came.
         query: Option<String>,
         version: String,
@@ -132,9 +132,9 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
             };
             (description(*layer, illustrative), given(query), version, unit.to_owned(), range)
         }
-        Shown::Brightness { seen: (measure, response), query, version, .. } => {
+        Shown::Brightness { seen: (measure, light, response), query, version, .. } => {
             let range = Some(measure.colour_range(response).into());
-            let description = brightness_description(*measure, response, illustrative);
+            let description = brightness_description((*measure, *light, response), illustrative);
             (description, given(query), version, measure.unit(response.unit()), range)
         }
         Shown::Influence { measure, unit, version, query, most } => {
@@ -146,7 +146,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let parameters = query.split('&').filter(|pair| !pair.is_empty() && !pair.starts_with("v="));
     let query: String = parameters.map(|pair| format!("&{pair}")).collect();
     let (progress, natural) = match shown {
-        Shown::Brightness { progress, seen: (measure, response), .. } => {
+        Shown::Brightness { progress, seen: (measure, _, response), .. } => {
             (*progress, Some(measure.natural_value(response)))
         }
         _ => (None, None),

@@ -19,7 +19,7 @@ use skyglow_app::{
     accept::InfluenceFormat,
     answers::{brightness_shows, measure_name, standards::is_in_tileset},
     error::AppError,
-    negotiated_parameters::OptionalInfluenceParameters,
+    negotiated_parameters::LayerParameters,
     parameters::BrightnessParameters,
     request::{brightness, influence, no_parameters, scenario_alone, scene_id},
     source::SkySource,
@@ -32,7 +32,7 @@ use skyglow_display::{
         influence_tile_png, radiance_tile_png,
     },
 };
-use skyglow_observatory::{MapMeasure, Measure};
+use skyglow_observatory::{MapLight, MapMeasure, Measure};
 use skyglow_scene::{ChangeId, SceneId, TileLayer, tile_pixel_m};
 use std::future::Future;
 use utoipa::OpenApi;
@@ -94,7 +94,7 @@ struct Address {
         ("x" = u32, Path, description = "Column, from 180° west"),
         ("y" = String, Path, description = "Row, from the north; with `@2x` behind it for 512 pixels a side"),
         ("v" = Option<String>, Query, description = "Version of what is shown, as TileJSON has it in the tiles' addresses: with it a tile may be kept for ever"),
-        OptionalInfluenceParameters,
+        LayerParameters,
     ),
     responses(
         (status = 200, description = "The tile", body = Vec<u8>, content_type = "image/png"),
@@ -312,7 +312,8 @@ async fn brightness_tile(
     }
     let draw = async {
         let map = prepared.find(state).await?;
-        let description = brightness_description(map.measure, &map.response, map.scene().illustrative);
+        let description =
+            brightness_description((map.measure, map.light, &map.response), map.scene().illustrative);
         let notes = Notes::new(&description, "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
@@ -353,12 +354,11 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
 
 /// What is said of the layer of brightness.
 pub(super) fn brightness_description(
-    measure: MapMeasure,
-    response: &skyglow_physics::Response,
+    (measure, light, response): (MapMeasure, MapLight, &skyglow_physics::Response),
     illustrative: bool,
 ) -> String {
     let (dark, bright) = measure.colour_range(response);
-    let what = brightness_shows(measure, response);
+    let what = brightness_shows(measure, light, response);
     let shows = format!(
         "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the dark reference outside the air to forty times that) on a logarithmic scale; less is \
          transparent",

@@ -5,12 +5,16 @@ use super::InfluenceSolver;
 use crate::error::ObservatoryError;
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, GeoPoint, LinearMeasure, blocking::BLOCKING_COUNT, spectrum::SpectralRule,
+    AZIMUTH_COUNT, BAND_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT,
+    panorama::azimuth_rad, spectrum::SpectralRule,
 };
 use skyglow_render::RenderError;
 use skyglow_render::request::RenderRequest;
 use skyglow_scene::{PlaceKernel, PolarCell, PolarGrid, RING_COUNT, UniformAxis};
-use std::sync::Arc;
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::Arc,
+};
 
 /// Step of the altitudes of places, metres: between them the zenith is linear to 0.3 %.
 const ALTITUDE_STEP_M: f64 = 250.0;
@@ -41,10 +45,19 @@ impl KernelRange {
     }
 }
 
+/// What a light is to do.
+#[derive(Clone, Copy, Debug)]
+pub enum KernelOf<'a> {
+    /// To a measure that is the same whatever the azimuth of the light.
+    Measure(&'a LinearMeasure),
+    /// ∫ L cos φ cos(mΔ) dΩ for an order m, Δ from the azimuth of the light: a wave of what walls around a place receive.
+    Wave(u8),
+}
+
 /// The table for a request's air, lamps and emission; its grid, place and altitude do not matter. The turbidity is to be one of
 /// the packs': between them skies are no sums over lights.
 ///
-/// * `measure`: what of the sky; the same whatever the azimuth of a light. `rule`: what sees the light, of each light by itself: lights of different colour at the eye do not quite add up.
+/// * `of`: what of the sky. `rule`: what sees the light, of each light by itself: lights of different colour at the eye do not quite add up.
 /// * `skylines`: whether lights behind skylines are to be told apart, which the packs must know.
 ///
 /// # Errors
@@ -52,7 +65,7 @@ impl KernelRange {
 pub fn place_kernel(
     solver: &InfluenceSolver,
     request: &RenderRequest,
-    (measure, rule): (&LinearMeasure, &SpectralRule),
+    (of, rule): (KernelOf<'_>, &SpectralRule),
     range: &KernelRange,
     skylines: bool,
 ) -> Result<PlaceKernel, ObservatoryError> {
@@ -62,13 +75,21 @@ pub fn place_kernel(
         let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
         let polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
         let request = RenderRequest { polar: Arc::new(polar), observer_altitude_m, ..request.clone() };
-        let cells = solver.kernels(&request, measure)?;
+        let cells: Vec<f64> = match of {
+            KernelOf::Measure(measure) => {
+                let cells = solver.kernels(&request, measure)?;
+                cells.into_iter().map(|kernel| rule.value(kernel.map(|value| value.max(0.0)))).collect()
+            }
+            KernelOf::Wave(order) => {
+                let cells_per_column = RING_COUNT * blocking_count;
+                waves(solver, &request, order, rule, cells_per_column)?
+            }
+        };
         // Cells are by offset, then ring, then blocking angle.
         let of_ring = |ring: usize| (0..offsets.count).map(move |offset| offset * RING_COUNT + ring);
         let values = (0..RING_COUNT).flat_map(of_ring).flat_map(|at| {
-            cells[at * blocking_count..(at + 1) * blocking_count]
-                .iter()
-                .map(|kernel| rule.value(kernel.map(|value| value.max(0.0))) as f32)
+            let of_skylines = &cells[at * blocking_count..(at + 1) * blocking_count];
+            of_skylines.iter().map(|value| *value as f32)
         });
         Ok(values.collect())
     };
@@ -77,6 +98,34 @@ pub fn place_kernel(
     PlaceKernel::new(altitudes, offsets, blocking_count, values.concat()).ok_or_else(|| {
         RenderError::BadPolarGrid { reason: "a watt at every node has other cells".to_owned() }.into()
     })
+}
+
+/// Waves of a grid whose columns have as many cells each. A sky is the same on both sides of its light, so of a light at azimuth θ
+/// the weight 1 + cos(mθ') sees K₀ + K_m cos(mθ), and a quarter of a wave later K₀ + K_m sin(mθ). What sees the light sees only what
+/// is not below 0: K_m is the difference of what it sees of K₀ + K_m and of K₀.
+fn waves(
+    solver: &InfluenceSolver,
+    request: &RenderRequest,
+    order: u8,
+    rule: &SpectralRule,
+    cells_per_column: usize,
+) -> Result<Vec<f64>, ObservatoryError> {
+    let m = f64::from(order);
+    let even = solver.kernels(request, &LinearMeasure::cylindrical(&Horizon::flat()))?;
+    let cos = solver.kernels(request, &LinearMeasure::wall_wave(order, 0.0))?;
+    let sin = solver.kernels(request, &LinearMeasure::wall_wave(order, FRAC_PI_2 / m.max(1.0)))?;
+    let cells = even.iter().zip(cos).zip(sin).enumerate();
+    let wave = |(at, ((even, cos), sin)): (usize, ((&[f64; BAND_COUNT], _), [f64; BAND_COUNT]))| {
+        let cos: [f64; BAND_COUNT] = cos;
+        let (sin_azimuth, cos_azimuth) = (m * azimuth_rad(at / cells_per_column)).sin_cos();
+        let even = even.map(|value| (PI * value).max(0.0));
+        let with_wave: [f64; BAND_COUNT] = std::array::from_fn(|band| {
+            let wave = (cos[band] - even[band]) * cos_azimuth + (sin[band] - even[band]) * sin_azimuth;
+            (even[band] + wave).max(0.0)
+        });
+        rule.value(with_wave) - rule.value(even)
+    };
+    Ok(cells.map(wave).collect())
 }
 
 /// A grid with a watt at every ring and blocking angle, those of each offset in a column of its own: a measure of the open sky knows no azimuth.

@@ -24,7 +24,7 @@ mod sensitivity;
 
 pub(crate) use cells::norm_of_values;
 pub use cells::{CellInfluence, CellsInSky, InfluenceSolver, MeasureOfCells};
-pub use measure_kernel::{KernelRange, place_kernel};
+pub use measure_kernel::{KernelOf, KernelRange, place_kernel};
 pub use pixels::influence_of_pixels;
 pub use sensitivity::{SeenMeasure, Within};
 

@@ -2,7 +2,7 @@
 
 use super::{NightSky, ThroughAir};
 use skyglow_celestial::Component;
-use skyglow_physics::{Direction, SKY_RESPONSES};
+use skyglow_physics::{Direction, Response, SKY_RESPONSES};
 use std::f64::consts::PI;
 
 /// A star or planet as it is seen.
@@ -68,6 +68,13 @@ impl NightSky {
             dark_ratio: 1.0,
         });
         of_moon.into_iter().chain(of_sun).collect()
+    }
+
+    /// Points of a component above the horizon: where, and what a response sees across the beam of each, in its unit times sr.
+    pub(crate) fn beams_of(&self, component: Component, response: &Response) -> Vec<(Direction, f64)> {
+        let rule = component.light().rule(response);
+        let points = self.points[component.index()].iter();
+        points.map(|point| (point.direction, rule.value(point.irradiance))).collect()
     }
 
     /// Points of a component above the horizon.

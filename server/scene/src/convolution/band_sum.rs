@@ -5,7 +5,7 @@ use super::light_cells::LightCells;
 use super::stencil::{Stencil, on_rings};
 use super::window::{TILE_COLUMNS, Windows};
 use crate::grid::GeographicAxes;
-use crate::place_kernel::{PlaceKernel, UniformAxis};
+use crate::place_kernel::{AzimuthFactor, PlaceKernel, UniformAxis};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -38,8 +38,8 @@ pub(super) struct BandSum {
     pub(super) altitudes: UniformAxis,
     pub(super) targets: Targets,
     axes: GeographicAxes,
-    /// The kernel on the rings, `[target layer][light layer]`.
-    on_rings: Vec<Vec<f32>>,
+    /// The parts of the kernel on the rings, `[target layer][light layer]`.
+    on_rings: Vec<Vec<(AzimuthFactor, Vec<f32>)>>,
 }
 
 impl BandSum {

@@ -190,8 +190,10 @@ impl<'a> Convolution<'a> {
             );
             sums.iter_mut().zip(parts.iter().flatten()).for_each(|(sum, added)| *sum += added);
         }
+        let knows_azimuth = self.layers.iter().any(|(_, kernel)| kernel.knows_azimuth());
+        let least = if knows_azimuth { f32::NEG_INFINITY } else { 0.0 };
         for (sum, altitude_m) in sums.iter_mut().zip(altitudes_m) {
-            *sum = if altitude_m.is_finite() { sum.max(0.0) } else { f32::NAN };
+            *sum = if altitude_m.is_finite() { sum.max(least) } else { f32::NAN };
         }
         sums
     }

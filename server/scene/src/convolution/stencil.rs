@@ -3,9 +3,9 @@
 use super::bands::Band;
 use crate::dual_tree::for_each_point;
 use crate::grid::GeographicAxes;
-use crate::place_kernel::{PlaceKernel, RingPosition};
+use crate::place_kernel::{AzimuthFactor, Compass, PlaceKernel, RingPosition};
 use crate::polar_grid::RING_COUNT;
-use glam::DVec3;
+use glam::{DVec3, Vec2, Vec3};
 use skyglow_physics::source_pixel::SPLIT_WITHIN_M;
 use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 use std::f64::consts::PI;
@@ -23,6 +23,8 @@ pub(super) struct StencilRow {
 struct Sample {
     ring: u32,
     parts: [f32; 2],
+    /// The horizontal direction in which it lies.
+    towards: Vec2,
 }
 
 /// The cells that a band has around a place.
@@ -48,6 +50,7 @@ impl Stencil {
             GeoPoint::from_rad_unchecked(latitude(row), column * step_rad).unit_vector()
         };
         let here = point(0.0, 0.0);
+        let compass = Compass::at(here);
         let away_m = |to: DVec3| (EARTH_RADIUS_M * (to - here)).as_vec3();
         let reach_rows =
             (band.reach_m() / EARTH_RADIUS_M / latitude_step_deg.to_radians().abs()).ceil() as i64 + 1;
@@ -67,26 +70,26 @@ impl Stencil {
                 let along = column as f64 - off[0];
                 let middle_m = away_m(point(along, down));
                 let share = band.share(f64::from(middle_m.length())) as f32;
-                let mut take = |square_m2: f32, part: f32| {
-                    if let Some((ring, out)) = RingPosition::of_square(square_m2).map(RingPosition::parts) {
+                let mut take = |away_m: Vec3, part: f32| {
+                    let ring = RingPosition::of_square(away_m.length_squared());
+                    if let Some((ring, out)) = ring.map(RingPosition::parts) {
                         let parts = [share * part * (1.0 - out), share * part * out];
-                        stencil.samples.push(Sample { ring: ring as u32, parts });
+                        let towards = compass.towards(away_m);
+                        stencil.samples.push(Sample { ring: ring as u32, parts, towards });
                     }
                 };
                 // As the dual tree has it: pixels beyond 5 km are points.
                 const POINTS_BEYOND_M2: f32 = (SPLIT_WITHIN_M * SPLIT_WITHIN_M) as f32;
                 let is_point = band.level > 0 || middle_m.length_squared() >= POINTS_BEYOND_M2;
                 if share > 0.0 && is_point {
-                    take(middle_m.length_squared(), 1.0);
+                    take(middle_m, 1.0);
                 } else if share > 0.0 {
                     let half_m = |to: DVec3, from: DVec3| (0.5 * EARTH_RADIUS_M * (to - from)).as_vec3();
                     let halves_m = [
                         half_m(point(along + 0.5, down), point(along - 0.5, down)),
                         half_m(point(along, down + 0.5), point(along, down - 0.5)),
                     ];
-                    for_each_point(middle_m, halves_m, 1.0, &mut |at_m, part| {
-                        take(at_m.length_squared(), part)
-                    });
+                    for_each_point(middle_m, halves_m, 1.0, &mut take);
                 }
                 stencil.start.push(stencil.samples.len() as u32);
             }
@@ -103,24 +106,31 @@ impl Stencil {
     }
 
     /// The kernel at its cells, row by row.
-    pub(super) fn weights(&self, values: &[f32]) -> Vec<f32> {
+    ///
+    /// * `parts`: the kernel's parts on the rings, with how they count by azimuth.
+    pub(super) fn weights(&self, parts: &[(AzimuthFactor, Vec<f32>)]) -> Vec<f32> {
         let of_cell = |ends: &[u32]| {
             let samples = &self.samples[ends[0] as usize..ends[1] as usize];
-            samples.iter().map(|Sample { ring, parts }| {
-                parts[0] * values[*ring as usize] + parts[1] * values[*ring as usize + 1]
+            samples.iter().map(|Sample { ring, parts: [near, far], towards }| {
+                let on_ring = |(factor, values): &(AzimuthFactor, Vec<f32>)| {
+                    let value = near * values[*ring as usize] + far * values[*ring as usize + 1];
+                    factor.towards(*towards) * value
+                };
+                parts.iter().map(on_ring).sum::<f32>()
             })
         };
         self.start.windows(2).map(|ends| of_cell(ends).sum()).collect()
     }
 }
 
-/// A kernel on the rings for a place and a light at two altitudes, metres, under an open sky.
-pub(super) fn on_rings(kernel: &PlaceKernel, place_m: f64, light_m: f64) -> Vec<f32> {
+/// The parts of a kernel on the rings for a place and a light at two altitudes, metres, under an open sky.
+pub(super) fn on_rings(kernel: &PlaceKernel, place_m: f64, light_m: f64) -> Vec<(AzimuthFactor, Vec<f32>)> {
     let (below, up) = kernel.altitudes().position(place_m as f32);
-    let at = |ring: usize| {
-        let at = |node| kernel.at(node, RingPosition::node(ring), (light_m - place_m) as f32, 0.0);
+    let at = |part: usize, ring: usize| {
+        let at = |node| kernel.on_ring(part, node, ring, (light_m - place_m) as f32);
         let (low, high) = (at(below), at(below + 1));
         low + up * (high - low)
     };
-    (0..RING_COUNT).map(at).collect()
+    let of_part = |part: usize| (0..RING_COUNT).map(|ring| at(part, ring)).collect();
+    kernel.factors().enumerate().map(|(part, factor)| (factor, of_part(part))).collect()
 }

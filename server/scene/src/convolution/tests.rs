@@ -2,7 +2,7 @@ use super::*;
 use crate::light_pyramid::LightPyramid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
-use crate::place_kernel::{RingPosition, UniformAxis};
+use crate::place_kernel::{AzimuthFactor, RingPosition, UniformAxis};
 use crate::polar_grid::{RING_COUNT, ring_distance_m};
 use proptest::prelude::*;
 use skyglow_physics::GeoPoint;
@@ -61,7 +61,11 @@ impl Region {
 
     /// Something made of its sums.
     fn with<T>(&self, make: impl FnOnce(&Convolution<'_>) -> T) -> T {
-        let (kernel, pyramid) = (kernel(), LightPyramid::build(&self.grid, &self.pixels, None, 1.0));
+        self.with_kernel(&kernel(), make)
+    }
+
+    fn with_kernel<T>(&self, kernel: &PlaceKernel, make: impl FnOnce(&Convolution<'_>) -> T) -> T {
+        let pyramid = LightPyramid::build(&self.grid, &self.pixels, None, 1.0);
         let tree = LightTree {
             grid: &self.grid,
             pixels: &self.pixels,
@@ -71,7 +75,7 @@ impl Region {
             removed: None,
             first_number: 0,
         };
-        let layers = [(tree, &kernel)];
+        let layers = [(tree, kernel)];
         let lattice = PlaceLattice::within(self.grid.width, self.grid.height, usize::MAX);
         let altitudes_m: Vec<f32> = (0..lattice.len()).map(|at| self.eye_m(at)).collect();
         make(&Convolution::new(&self.grid, &layers, lattice, &altitudes_m).unwrap())
@@ -95,7 +99,9 @@ impl Region {
         let (below, up) = kernel.altitudes().position(eye_m);
         let one = |source: &skyglow_physics::PointSource| {
             let ring = RingPosition::of_square((source.distance_m as f32).powi(2)).unwrap();
-            let at = |node| kernel.at(node, ring, source.altitude_m as f32 - eye_m, 0.0);
+            let (sin, cos) = source.azimuth_rad.sin_cos();
+            let towards = glam::DVec2::new(sin, cos).as_vec2();
+            let at = |node| kernel.at(node, ring, source.altitude_m as f32 - eye_m, 0.0, towards);
             source.flux_dnb_w * f64::from(at(below) + up * (at(below + 1) - at(below)))
         };
         point_sources(here, &lights).iter().map(one).sum()
@@ -130,6 +136,28 @@ fn convolutions_match_direct_sums() {
         let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
         println!("{latitude_deg} {step_deg}: {median:.2e} median, {largest:.2e} largest");
         assert!(median <= 0.25 * most && largest <= most, "{latitude_deg} {step_deg}: {median} {largest}");
+    }
+}
+
+/// Waves by the azimuth of the light sum up as they do one by one, whatever their sign, to a part of the sum without waves.
+#[test]
+fn waves_match_direct_sums() {
+    let even = kernel();
+    for (order, north, east) in [(1, 1.0, 0.0), (1, 0.0, 1.0), (2, 1.0, 0.0), (2, 0.0, 1.0)] {
+        let factor = AzimuthFactor::Wave { order, north, east };
+        let wave = PlaceKernel::of_waves([(&even, factor)]).unwrap();
+        for (latitude_deg, step_deg) in [(47.0, 0.02), (65.0, 0.02), (47.0, 1.0 / 240.0)] {
+            let lights = scattered(160, 150);
+            let region = Region::new([20.0, latitude_deg, step_deg], [160, 150], &lights, |_| 0.0);
+            let sums = region.with_kernel(&wave, |convolution| convolution.sum(&|_: f64| true).unwrap());
+            let error = |place: usize| {
+                (f64::from(sums[place]) - region.direct_sum(place, &wave)).abs()
+                    / region.direct_sum(place, &even)
+            };
+            let largest = (0..sums.len()).step_by(97).map(error).fold(0.0, f64::max);
+            println!("{order} {north} {latitude_deg} {step_deg}: {largest:.2e}");
+            assert!(largest <= 8e-3, "{order} {north} {latitude_deg} {step_deg}: {largest}");
+        }
     }
 }
 

@@ -4,9 +4,10 @@ use super::near_field::{NearLights, Observer};
 use super::node_sums::NodeSums;
 use super::patch::{Patch, PatchGround};
 use super::place_lattice::PlaceLattice;
-use super::sources::{Candidate, Cluster, Sources, SumOf};
+use super::sources::{Candidate, Cluster, Sources};
 use crate::light_tree::turns_from_light;
-use crate::place_kernel::RingPosition;
+use crate::place_kernel::{Compass, RingPosition};
+use glam::Vec2;
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
 
@@ -62,6 +63,8 @@ impl Accumulator<'_> {
             return;
         }
         let near = self.near_lights(&ground, left);
+        let compass = Compass::at(ground.middle);
+        let is_positive = self.sources.is_positive();
         let mut values = Vec::with_capacity(patch.len());
         for row in patch.rows.first..=patch.rows.last {
             for column in patch.columns.first..=patch.columns.last {
@@ -72,11 +75,11 @@ impl Accumulator<'_> {
                 }
                 let direction = self.lattice.point(self.sources.grid, f64::from(column), f64::from(row));
                 let place_m = (EARTH_RADIUS_M * (direction - ground.middle)).as_vec3();
-                let observer = Observer { direction, place_m, altitude_m };
+                let observer = Observer { direction, place_m, altitude_m, compass };
                 let far = self.sources.layers.first().map_or(0.0, |(_, kernel)| {
                     node_sums.at(f64::from(column), f64::from(row), kernel.altitudes().position(altitude_m))
                 });
-                let far = if self.sources.sum == SumOf::All { far.max(0.0) } else { far };
+                let far = if is_positive { far.max(0.0) } else { far };
                 values.push(far + near.at(&self.sources, &observer));
             }
         }
@@ -177,6 +180,7 @@ impl Accumulator<'_> {
         let skylines = light.skylines_of(candidate.level as usize, candidate.index as usize);
         let place_m = (EARTH_RADIUS_M * (cluster.direction - ground.middle)).as_vec3();
         let (flux_dnb_w, altitude_m) = (cluster.flux_dnb_w as f32, cluster.altitude_m);
+        let knows_azimuth = kernel.knows_azimuth();
         for (node, node_m) in ground.nodes_m.iter().enumerate() {
             let Some(ring) = RingPosition::of_square(node_m.distance_squared(place_m)) else {
                 continue;
@@ -185,11 +189,16 @@ impl Accumulator<'_> {
                 let turns = turns_from_light(cluster.direction, ground.nodes[node]);
                 skylines.blocking(index, turns, ring.log_distance())
             });
+            let towards = match knows_azimuth {
+                true => Compass::at(ground.nodes[node]).towards(place_m - *node_m),
+                false => Vec2::ZERO,
+            };
             for (step, sums) in node_sums.sums.iter_mut().enumerate() {
                 let altitude = node_sums.lowest + step;
                 let offset_m = (altitude_m - kernel.altitudes().node_m(altitude)) as f32;
+                let blocking = blocking as f32;
                 sums[node] +=
-                    flux_dnb_w * self.sources.sum.at(kernel, altitude, ring, offset_m, blocking as f32);
+                    flux_dnb_w * self.sources.sum.at(kernel, altitude, ring, offset_m, blocking, towards);
             }
         }
     }

@@ -3,8 +3,8 @@
 use super::sources::{Candidate, Cluster, Sources};
 use crate::light_tree::turns_from_light;
 use crate::morton;
-use crate::place_kernel::RingPosition;
-use glam::{DVec3, Vec3};
+use crate::place_kernel::{Compass, RingPosition};
+use glam::{DVec3, Vec2, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::MIN_SOURCE_DISTANCE_M;
 
@@ -19,6 +19,8 @@ pub(super) struct Observer {
     pub(super) place_m: Vec3,
     /// Metres above sea level.
     pub(super) altitude_m: f32,
+    /// Of the middle of the patch, a few kilometres away at most.
+    pub(super) compass: Compass,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -86,18 +88,26 @@ impl NearSource {
         };
         let turns = skylines.map_or(0.0, |_| turns_from_light(self.direction, observer.direction));
         let (below, up) = kernel.altitudes().position(observer.altitude_m);
-        let one = |ring: RingPosition| {
+        let knows_azimuth = kernel.knows_azimuth();
+        let towards = |away_m: Vec3| match knows_azimuth {
+            true => observer.compass.towards(away_m),
+            false => Vec2::ZERO,
+        };
+        let one = |ring: RingPosition, towards: Vec2| {
             let blocking = skylines
                 .map_or(0.0, |(skylines, index)| skylines.blocking(index, turns, ring.log_distance()) as f32);
-            let [low, high] =
-                [below, below + 1].map(|node| sources.sum.at(kernel, node, ring, offset_m, blocking));
+            let [low, high] = [below, below + 1]
+                .map(|node| sources.sum.at(kernel, node, ring, offset_m, blocking, towards));
             low + up * (high - low)
         };
         // Pixels beyond 5 km are points, as everywhere.
         if square_m2 >= sources.sum.split_within_m().powi(2) as f32 {
-            return self.flux_dnb_w * one(ring);
+            return self.flux_dnb_w * one(ring, towards(away_m));
         }
-        let of_point = |away_m: Vec3| RingPosition::of_square(away_m.length_squared()).map_or(0.0, one);
+        let of_point = |away_m: Vec3| {
+            let ring = RingPosition::of_square(away_m.length_squared());
+            ring.map_or(0.0, |ring| one(ring, towards(away_m)))
+        };
         let mut sum = 0.0;
         for_each_point(away_m, self.halves_m, self.flux_dnb_w, &mut |away_m, part| {
             sum += part * of_point(away_m)

@@ -69,6 +69,11 @@ impl PlaceLattice {
         self.columns as usize * self.rows as usize
     }
 
+    /// Number of a place, row by row from the north.
+    pub fn index(&self, column: u32, row: u32) -> usize {
+        row as usize * self.columns as usize + column as usize
+    }
+
     /// Whether there are none, which no lattice has.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

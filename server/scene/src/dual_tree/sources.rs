@@ -4,7 +4,7 @@ use crate::grid::Grid;
 use crate::light_tree::LightTree;
 use crate::morton;
 use crate::place_kernel::{PlaceKernel, RingPosition};
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use skyglow_physics::source_pixel::SPLIT_WITHIN_M;
 
 /// A block of lights (a pixel at level 0) of a layer.
@@ -83,16 +83,22 @@ impl SumOf {
         ring: RingPosition,
         offset_m: f32,
         blocking: f32,
+        towards: Vec2,
     ) -> f32 {
-        let all = kernel.at(altitude, ring, offset_m, blocking);
+        let all = kernel.at(altitude, ring, offset_m, blocking, towards);
         match self {
             Self::All => all,
-            Self::Hidden => all - kernel.at(altitude, ring, offset_m, 0.0),
+            Self::Hidden => all - kernel.at(altitude, ring, offset_m, 0.0, towards),
         }
     }
 }
 
 impl<'a> Sources<'a> {
+    /// Whether no sum is below 0: azimuths may weigh lights with either sign, and what is hidden is taken away.
+    pub(super) fn is_positive(&self) -> bool {
+        self.sum == SumOf::All && !self.layers.iter().any(|(_, kernel)| kernel.knows_azimuth())
+    }
+
     /// The block of all lights of each layer.
     pub(super) fn roots(&self) -> Vec<Candidate> {
         let tops = self.layers.iter().map(|(light, _)| light.pyramid.top() as u32);

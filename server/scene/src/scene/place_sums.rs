@@ -79,7 +79,8 @@ impl Scene {
         dual_tree::ground_altitudes_m(lattice, &self.grid, &self.terrain)
     }
 
-    /// The sum over the lights within 300 km at every place of a lattice, row by row from the north; NaN where the altitude is.
+    /// The sum over the lights within 300 km at every place of a lattice, row by row from the north; NaN where the altitude is. It may
+    /// be below 0 where the kernels know azimuths.
     ///
     /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
     /// * `kernels`: of each of [`Self::fixtures`].
@@ -131,7 +132,12 @@ impl Scene {
         // Under an open sky, and of that what skylines take.
         let open = convolution.sum(&stage(STRIPS, 0.0, CONVOLUTION_PART))?;
         let hidden = tree(SumOf::Hidden, &stage(HIDDEN_PATCHES, CONVOLUTION_PART, 1.0))?;
-        Some(open.iter().zip(hidden).map(|(open, hidden)| (open + hidden).max(0.0 * open)).collect())
+        let knows_azimuth = kernels.iter().any(PlaceKernel::knows_azimuth);
+        let together = |(open, hidden): (&f32, f32)| match knows_azimuth {
+            true => open + hidden,
+            false => (open + hidden).max(0.0 * open),
+        };
+        Some(open.iter().zip(hidden).map(together).collect())
     }
 
     /// The way in which the lights at the places of a lattice are summed sooner, by an estimate: convolutions take as long whether

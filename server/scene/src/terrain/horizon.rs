@@ -32,6 +32,25 @@ impl Terrain {
         });
         Horizon::from_tangents(&tangents)
     }
+
+    /// tan of that angle towards some azimuths [rad], 1 % and 0.007° too low at most: in a fraction of the time.
+    ///
+    /// * `sights`: azimuths, and what the tangents are at least, itself at least 0: no time is spent below it.
+    pub(crate) fn coarse_tangents<const N: usize>(
+        &self,
+        place: GeoPoint,
+        observer_altitude_m: f64,
+        sights: [(f64, f64); N],
+    ) -> [f64; N] {
+        let horizon = self.source_horizon(place, observer_altitude_m, 0.0).coarse();
+        if horizon.is_open() {
+            return sights.map(|(_, floor)| floor);
+        }
+        sights.map(|(azimuth_rad, floor)| {
+            let [tangent] = horizon.tangents(azimuth_rad, floor, &[f64::INFINITY]);
+            tangent
+        })
+    }
 }
 
 #[cfg(test)]

@@ -169,7 +169,7 @@ impl Atlas {
             scene: Arc::clone(view.scene()),
             places,
             unit: map.unit(),
-            description: brightness_shows(map.measure, &map.response),
+            description: brightness_shows(map.measure, map.light, &map.response),
             colour_range: map.colour_range(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
         })

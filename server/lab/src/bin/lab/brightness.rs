@@ -1,8 +1,9 @@
 //! Brightness of a whole scene beside panoramas: time and error.
 
 use crate::arguments::{Outcome, turbidity};
+use skyglow_celestial::{Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
 use skyglow_lab::setup::{observatory, open_sky};
-use skyglow_observatory::{BrightnessRequest, MapMeasure, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure, RenderedSky, SkyRequest, SkyTime};
 use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
 use skyglow_scene::{SceneId, SumWay};
 use skyglow_tables::Scattering;
@@ -30,41 +31,62 @@ pub(crate) struct Arguments {
     /// Panoramas beside it.
     count: usize,
     /// What of the sky.
-    #[arg(long, value_enum, default_value = "zenith")]
-    measure: Measured,
+    #[arg(long, default_value = "zenith", value_parser = measure)]
+    measure: MapMeasure,
+    /// With the natural sky of a time, such as 2026-08-24T23:00:00Z, or of none: dark [default: artificial light alone]
+    #[arg(long)]
+    natural: Option<String>,
     /// How lights are summed: as the program chooses, by the dual tree, or by convolution where that can be.
     #[arg(long, default_value = "auto", value_parser = ["auto", "tree", "convolution"])]
     way: String,
 }
 
-/// What of the sky is mapped.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Measured {
-    Zenith,
-    Mean,
-    Horizontal,
+fn measure(name: &str) -> Result<MapMeasure, String> {
+    MapMeasure::named(name).ok_or_else(|| format!("no measure of maps is named {name}"))
 }
 
-impl From<Measured> for MapMeasure {
-    fn from(measured: Measured) -> Self {
-        match measured {
-            Measured::Zenith => Self::Zenith,
-            Measured::Mean => Self::Mean,
-            Measured::Horizontal => Self::Horizontal,
-        }
+/// The number of a sky that a map shows at its place.
+fn of_sky(measure: MapMeasure, light: MapLight, sky: &RenderedSky) -> f64 {
+    let numbers = &sky.quantities;
+    let of_photopic = &numbers.surfaces.by_response[0];
+    let is_total = light != MapLight::Artificial;
+    let surfaces = if is_total { of_photopic.total } else { of_photopic.artificial };
+    match measure {
+        MapMeasure::Zenith if is_total => numbers.zenith_total_luminance_cd_m2,
+        MapMeasure::Zenith => numbers.zenith_luminance_cd_m2,
+        MapMeasure::Horizontal if is_total => numbers.horizontal_total_illuminance_lx,
+        MapMeasure::Mean => numbers.mean_luminance_cd_m2,
+        MapMeasure::Horizontal => numbers.horizontal_illuminance_lx,
+        MapMeasure::Slope => surfaces.slope,
+        MapMeasure::VerticalNorth => surfaces.vertical_north,
+        MapMeasure::VerticalEast => surfaces.vertical_east,
+        MapMeasure::VerticalSouth => surfaces.vertical_south,
+        MapMeasure::VerticalWest => surfaces.vertical_west,
+        MapMeasure::VerticalLargest => surfaces.vertical_largest,
+        MapMeasure::Cylindrical => surfaces.cylindrical,
+        MapMeasure::Spherical => surfaces.spherical,
     }
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let observatory = observatory(&arguments.data, &arguments.packs)?;
     let (id, turbidity) = (arguments.scene.clone(), arguments.turbidity);
+    let light = match arguments.natural.as_deref() {
+        None => MapLight::Artificial,
+        Some("dark") => MapLight::Total(None),
+        Some(time) => {
+            let (instant, solar_flux_sfu) = (Instant::parse(time)?, DEFAULT_SOLAR_FLUX_SFU);
+            MapLight::Total(Some(SkyTime { instant, solar_flux_sfu }))
+        }
+    };
     let request = BrightnessRequest {
         scene: id.clone(),
         scenario: None,
         turbidity,
         scattering: Scattering::Multiple,
         lamp: LampPreset::Mixed.lamp(),
-        measure: arguments.measure.into(),
+        measure: arguments.measure,
+        light,
         response: Response::Photopic,
         emission: EmissionMix::garstang().into(),
         terrain_hides: arguments.terrain == "on",
@@ -102,14 +124,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             (spread(0.754_877_666, lattice.columns) as u32, spread(0.569_840_291, lattice.rows) as u32);
         let found = map.places().values()[(row * lattice.columns + column) as usize];
         let place = map.open_scene().lattice_place(lattice, column, row);
-        let sky =
-            SkyRequest { terrain_hides: request.terrain_hides, ..open_sky(id.clone(), place, turbidity) };
+        let time = if let MapLight::Total(time) = light { time } else { None };
+        let open = open_sky(id.clone(), place, turbidity);
+        let sky = SkyRequest { terrain_hides: request.terrain_hides, time, ..open };
         let Ok(sky) = observatory.sky_blocking(&sky) else { continue };
-        let wanted = match arguments.measure {
-            Measured::Zenith => sky.quantities.zenith_luminance_cd_m2,
-            Measured::Mean => sky.quantities.mean_luminance_cd_m2,
-            Measured::Horizontal => sky.quantities.horizontal_illuminance_lx,
-        };
+        let wanted = of_sky(arguments.measure, light, &sky);
         // A ten-thousandth of the natural sky.
         if wanted < 1.7e-8 {
             dark += 1;

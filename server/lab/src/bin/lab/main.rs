@@ -30,6 +30,7 @@ mod reference;
 mod reference_multiple;
 mod scene_times;
 mod seeds;
+mod slopes;
 mod spectra;
 mod speed;
 mod tolerance;
@@ -79,6 +80,7 @@ enum Program {
     NightTimes(night_times::Arguments),
     Pictures(pictures::Arguments),
     Planet(planet::Arguments),
+    Slopes(slopes::Arguments),
     /// Writes what fuzzers start from where the program makes it: the smallest pack and the smallest raster.
     Seeds,
 }
@@ -116,6 +118,7 @@ fn main() -> Outcome {
         Program::NightTimes(arguments) => night_times::run(&arguments),
         Program::Pictures(arguments) => pictures::run(&arguments),
         Program::Planet(arguments) => planet::run(&arguments),
+        Program::Slopes(arguments) => slopes::run(&arguments),
         Program::Seeds => seeds::run(),
     }
 }

@@ -1,0 +1,240 @@
+//! Light on ground as it slopes, under the sky that terrain leaves (`docs/model.md#brightness`).
+//!
+//! What a slope of normal n receives of the whole sky above the horizontal plane is n·F, with the vector irradiance F = ∫ L v dΩ,
+//! whose three parts are sums over all lights. Of that goes what lies below the horizon, or below the slope itself where it rises:
+//! ∫ L n·v dΩ over the low sky, from panoramas of places far apart, in parts of their horizontal illuminance, linear in between (in
+//! the spirit of irradiance caching, Ward, Rubinstein & Clear 1988).
+
+use crate::{
+    brightness::{BrightnessRequest, EYE_HEIGHT_M},
+    coarse_places::CoarsePlaces,
+    error::ObservatoryError,
+    natural_places::NaturalPlaces,
+    observatory::Observatory,
+    sky::{ObserverHeight, SkyRequest},
+    surroundings::Surroundings,
+};
+use glam::DVec3;
+use rayon::prelude::*;
+use skyglow_physics::{
+    AZIMUTH_COUNT, ELEVATION_COUNT, GeoPoint, SeenSky, SkyPart,
+    panorama::{azimuth_rad, cos_sr, projected_sr},
+};
+use skyglow_scene::{PlaceLattice, Scene};
+use std::f64::consts::FRAC_PI_2;
+
+/// Sectors of azimuth in which a horizon is one angle.
+const SECTOR_COUNT: usize = 32;
+const COLUMNS_PER_SECTOR: usize = AZIMUTH_COUNT / SECTOR_COUNT;
+/// Elevations up to which the sky is added up: the edges of the rows of panoramas.
+const EDGE_COUNT: usize = ELEVATION_COUNT + 1;
+/// Panoramas at most, about.
+const MAX_PANORAMAS: usize = 1_000;
+
+/// The sky up to each elevation by sector, in parts of the horizontal illuminance: ∫ L sin φ dΩ and ∫ L cos φ dΩ, `[sector][edge]`.
+#[derive(Clone, Debug)]
+pub(crate) struct SkyBelow(Vec<[f32; 2]>);
+
+/// The low sky over places, from that of some of them.
+#[derive(Debug)]
+pub(crate) struct SlopeLight {
+    skies: CoarsePlaces<SkyBelow>,
+    azimuths_rad: [f64; SECTOR_COUNT],
+}
+
+/// A place with what of its sky the terrain hides.
+struct Ground<'a> {
+    normal: DVec3,
+    /// By sector.
+    azimuths_rad: &'a [f64; SECTOR_COUNT],
+    hidden_rad: [f64; SECTOR_COUNT],
+}
+
+impl SkyBelow {
+    /// Of what a response sees in every direction, `[row][column]`; None without light.
+    pub(crate) fn new(plane: &[f32]) -> Option<Self> {
+        let mut edges = vec![[0f64; 2]; SECTOR_COUNT * EDGE_COUNT];
+        let mut horizontal = 0.0;
+        for sector in 0..SECTOR_COUNT {
+            let mut below = [0.0; 2];
+            for row in 0..ELEVATION_COUNT {
+                let columns = plane[row * AZIMUTH_COUNT + sector * COLUMNS_PER_SECTOR..].iter();
+                let sum: f64 = columns.take(COLUMNS_PER_SECTOR).map(|value| f64::from(*value)).sum();
+                below[0] += sum * projected_sr(row);
+                below[1] += sum * cos_sr(row);
+                edges[sector * EDGE_COUNT + row + 1] = below;
+            }
+            horizontal += below[0];
+        }
+        let part = |of: [f64; 2]| of.map(|value| (value / horizontal) as f32);
+        (horizontal > 0.0).then(|| Self(edges.into_iter().map(part).collect()))
+    }
+
+    /// Up to an elevation in a sector.
+    fn up_to(&self, sector: usize, elevation_rad: f64) -> [f64; 2] {
+        let place = elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64;
+        let below = (place as usize).min(ELEVATION_COUNT - 1);
+        let weight = (place - below as f64).clamp(0.0, 1.0);
+        let edges = &self.0[sector * EDGE_COUNT + below..];
+        let (low, high) = (edges[0].map(f64::from), edges[1].map(f64::from));
+        [0, 1].map(|part| low[part] + weight * (high[part] - low[part]))
+    }
+}
+
+impl Ground<'_> {
+    /// What it receives of a sky.
+    ///
+    /// * `irradiance`: the vector irradiance of the whole sky: its part upwards, eastwards and northwards.
+    /// * `skies`: around it, with their weights.
+    fn receives(&self, irradiance: [f64; 3], skies: &[(&SkyBelow, f64)]) -> f64 {
+        let [up, east, north] = irradiance;
+        let mut sum = self.normal.z * up + self.normal.x * east + self.normal.y * north;
+        for (sector, hidden_rad) in
+            self.hidden_rad.into_iter().enumerate().filter(|(_, hidden)| *hidden > 0.0)
+        {
+            let mut low = [0.0; 2];
+            for (sky, weight) in skies {
+                let part = sky.up_to(sector, hidden_rad);
+                low = [0, 1].map(|at| low[at] + weight * part[at]);
+            }
+            sum -= up * (self.normal.z * low[0] + self.side(sector) * low[1]);
+        }
+        sum.max(0.0)
+    }
+
+    /// The horizontal part of its normal towards a sector.
+    fn side(&self, sector: usize) -> f64 {
+        side(self.normal, self.azimuths_rad[sector])
+    }
+}
+
+fn side(normal: DVec3, azimuth_rad: f64) -> f64 {
+    let (sin, cos) = azimuth_rad.sin_cos();
+    normal.x * sin + normal.y * cos
+}
+
+impl SlopeLight {
+    /// For the places of a lattice. Takes milliseconds of all cores for each panorama.
+    ///
+    /// # Errors
+    /// As [`Observatory::sky`].
+    pub(crate) fn new(
+        observatory: &Observatory,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+    ) -> Result<Self, ObservatoryError> {
+        let skies = CoarsePlaces::new(lattice, MAX_PANORAMAS, |column, row| {
+            match altitudes_m[lattice.index(column, row)].is_finite() {
+                true => sky_below(observatory, scene, request, scene.lattice_place(lattice, column, row)),
+                false => Ok(None),
+            }
+        })?;
+        let middle = 0.5 * (COLUMNS_PER_SECTOR - 1) as f64;
+        let azimuths_rad = std::array::from_fn(|sector| {
+            azimuth_rad(sector * COLUMNS_PER_SECTOR) + middle * (azimuth_rad(1) - azimuth_rad(0))
+        });
+        Ok(Self { skies, azimuths_rad })
+    }
+
+    /// What the ground receives at every place; NaN where the sums are.
+    ///
+    /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    /// * `sums`: the vector irradiance of the open sky there: its part upwards, eastwards and northwards.
+    /// * `natural`: what else lights the ground.
+    pub(crate) fn values(
+        &self,
+        scene: &Scene,
+        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        sums: &[Vec<f32>],
+        natural: Option<&NaturalPlaces>,
+    ) -> Vec<f32> {
+        let [up, east, north] = sums else { return vec![f32::NAN; lattice.len()] };
+        let of_place = |index: usize| {
+            let irradiance = [up[index], east[index], north[index]].map(f64::from);
+            let is_dark = irradiance[0] <= 0.0 && natural.is_none();
+            if is_dark || !irradiance.iter().all(|part| part.is_finite()) {
+                return up[index];
+            }
+            let at = [index as u32 % lattice.columns, index as u32 / lattice.columns];
+            let (place, eye_m) = (scene.lattice_place(lattice, at[0], at[1]), f64::from(altitudes_m[index]));
+            let normal = scene.slope(place).normal();
+            // Where the slope rises its own plane hides the sky too.
+            let sights = self
+                .azimuths_rad
+                .map(|azimuth_rad| (azimuth_rad, (-side(normal, azimuth_rad) / normal.z).max(0.0)));
+            let hidden_rad = scene.coarse_horizon(place, eye_m, sights).map(f64::atan);
+            let ground = Ground { normal, azimuths_rad: &self.azimuths_rad, hidden_rad };
+            let artificial = ground.receives(irradiance, &self.skies.around(at));
+            let natural = natural.map_or(0.0, |natural| {
+                let sky = natural.sky_at(at, eye_m);
+                let discs = sky.discs.iter().filter(|(towards, _)| {
+                    let azimuth_rad = towards.x.atan2(towards.y);
+                    let [tangent] = scene.coarse_horizon(place, eye_m, [(azimuth_rad, 0.0)]);
+                    towards.z >= tangent * towards.truncate().length()
+                });
+                let straight: f64 = discs.map(|(towards, value)| normal.dot(*towards).max(0.0) * value).sum();
+                ground.receives(sky.irradiance, &sky.around) + straight
+            });
+            (artificial + natural) as f32
+        };
+        (0..lattice.len()).into_par_iter().map(of_place).collect()
+    }
+}
+
+/// The low sky at a place.
+fn sky_below(
+    observatory: &Observatory,
+    scene: &Scene,
+    request: &BrightnessRequest,
+    place: GeoPoint,
+) -> Result<Option<SkyBelow>, ObservatoryError> {
+    let sky = SkyRequest {
+        scene: request.scene.clone(),
+        scenario: request.scenario.clone(),
+        place,
+        observer_height: ObserverHeight::AboveGround(EYE_HEIGHT_M),
+        turbidity: request.turbidity,
+        scattering: request.scattering,
+        cloud_base_m: None,
+        broken_clouds: None,
+        lamp: request.lamp.clone(),
+        response: request.response.clone(),
+        emission: request.emission,
+        basis: None,
+        tolerance: None,
+        terrain_hides: request.terrain_hides,
+        time: None,
+    };
+    let hides_lights = observatory.hides_lights_of(&sky);
+    let surroundings = Surroundings::under_open_sky(scene.ground(place), scene, &sky, hides_lights);
+    let (to_render, _) = surroundings.render_requests(&sky, &observatory.engine.basis_chooser())?;
+    let rendered = observatory.engine.render_each_blocking(&to_render)?;
+    let lights = surroundings.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp));
+    let parts = lights.zip(rendered).map(|(light, rendered)| SkyPart { light, kernel: rendered.panorama });
+    let parts: Vec<SkyPart> = parts.collect();
+    Ok(SkyBelow::new(SeenSky::of(&parts, std::slice::from_ref(&request.response)).plane(0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Up to the zenith it is all of a uniform sky: 1 upwards, and 1/SECTOR_COUNT of it in each sector; without light there is none.
+    #[test]
+    fn a_uniform_sky_adds_up() {
+        let sky = SkyBelow::new(&[0.5; ELEVATION_COUNT * AZIMUTH_COUNT]).unwrap();
+        for sector in [0, 7, SECTOR_COUNT - 1] {
+            let [up, along] = sky.up_to(sector, FRAC_PI_2);
+            let part = 1.0 / SECTOR_COUNT as f64;
+            assert!(
+                (up / part - 1.0).abs() < 1e-5 && (along / part - FRAC_PI_2).abs() < 1e-5,
+                "{up} {along}"
+            );
+            let elevation_rad = 0.3f64;
+            let [up, _] = sky.up_to(sector, elevation_rad);
+            assert!((up / part / elevation_rad.sin().powi(2) - 1.0).abs() < 1e-3, "{up}");
+        }
+        assert!(SkyBelow::new(&[0.0; ELEVATION_COUNT * AZIMUTH_COUNT]).is_none());
+    }
+}

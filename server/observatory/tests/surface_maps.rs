@@ -1,0 +1,137 @@
+//! Maps of the light on surfaces beside the panoramas of their places.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+use skyglow_celestial::{Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
+use skyglow_observatory::{
+    BrightnessRequest, MapLight, MapMeasure, Observatory, ObserverHeight, RenderedSky, SkyRequest, SkyTime,
+};
+use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Response, Turbidity};
+use skyglow_render::{DeviceChoice, Engine, EngineConfig, celestial::CelestialTables, resident_tables};
+use skyglow_scene::{SceneId, SceneStore, create_demo};
+use skyglow_tables::{Scattering, packs_in};
+use std::path::Path;
+
+/// Places that are compared, of each map.
+const COMPARED: usize = 60;
+/// Darker places are left out, parts of the dark reference: a map's colours begin at 0.01.
+const LEAST_OF_NATURAL: f64 = 1e-3;
+
+fn observatory(folder: &Path) -> Observatory {
+    create_demo(&SceneStore::new(folder), &mut |_| {}).unwrap();
+    let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+    let (tables, manifests) = resident_tables(&packs_in(&packs).unwrap()).unwrap();
+    let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
+    let observatory = Observatory::new(Engine::start(config).unwrap(), manifests, folder, 1);
+    observatory.with_celestial_tables(CelestialTables::open(&packs).unwrap().unwrap())
+}
+
+fn sky(place: GeoPoint, turbidity: Turbidity, light: MapLight, terrain_hides: bool) -> SkyRequest {
+    SkyRequest {
+        scene: SceneId::parse("demo").unwrap(),
+        scenario: None,
+        place,
+        observer_height: ObserverHeight::AboveGround(2.0),
+        turbidity,
+        scattering: Scattering::Multiple,
+        cloud_base_m: None,
+        broken_clouds: None,
+        response: Response::Photopic,
+        lamp: LampPreset::Mixed.lamp(),
+        emission: EmissionMix::garstang().into(),
+        basis: None,
+        tolerance: None,
+        terrain_hides,
+        time: if let MapLight::Total(time) = light { time } else { None },
+    }
+}
+
+fn of_sky(measure: MapMeasure, light: MapLight, sky: &RenderedSky) -> f64 {
+    let surfaces = &sky.quantities.surfaces.by_response[0];
+    let of = if light == MapLight::Artificial { surfaces.artificial } else { surfaces.total };
+    match measure {
+        MapMeasure::Horizontal => of.horizontal,
+        MapMeasure::Slope => of.slope,
+        MapMeasure::VerticalEast => of.vertical_east,
+        MapMeasure::VerticalLargest => of.vertical_largest,
+        MapMeasure::Cylindrical => of.cylindrical,
+        MapMeasure::Spherical => of.spherical,
+        other => panic!("{other:?} is no surface"),
+    }
+}
+
+/// A map, what is compared with it, and the largest median and 90th percentile of its errors.
+struct Case(MapMeasure, MapLight, f64, usize, [f64; 2]);
+
+/// On slopes behind their horizons, on walls, cylinders and spheres, by artificial light, with the dark reference and by a Moon, maps
+/// say what the integrals over the panoramas of their places do.
+#[test]
+#[ignore = "takes seconds: make check leaves it to make test"]
+fn surfaces_are_lit_as_panoramas_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let observatory = observatory(folder.path());
+    let instant = Instant::parse("2026-08-22T19:30:00Z").unwrap();
+    let moon = MapLight::Total(Some(SkyTime { instant, solar_flux_sfu: DEFAULT_SOLAR_FLUX_SFU }));
+    let artificial = MapLight::Artificial;
+    let places: usize =
+        std::env::var("SURFACE_MAP_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(20_000);
+    for Case(measure, light, turbidity, max_places, [most_median, most_90]) in [
+        Case(MapMeasure::Slope, artificial, 2.5, places, [0.01, 0.03]),
+        Case(MapMeasure::Cylindrical, artificial, 2.5, 5_000, [0.005, 0.03]),
+        Case(MapMeasure::Spherical, artificial, 2.5, 5_000, [0.005, 0.03]),
+        Case(MapMeasure::VerticalEast, artificial, 3.0, 5_000, [0.01, 0.05]),
+        Case(MapMeasure::VerticalLargest, artificial, 2.5, 5_000, [0.01, 0.03]),
+        Case(MapMeasure::Slope, artificial, 3.0, places, [0.01, 0.03]),
+        Case(MapMeasure::Slope, MapLight::Total(None), 2.5, 5_000, [0.01, 0.03]),
+        Case(MapMeasure::Slope, moon, 2.5, 5_000, [0.01, 0.03]),
+        Case(MapMeasure::VerticalLargest, moon, 2.5, 5_000, [0.01, 0.03]),
+    ] {
+        let terrain_hides = measure == MapMeasure::Slope;
+        let turbidity = Turbidity::new(turbidity).unwrap();
+        let here = GeoPoint::from_rad_unchecked(0.0, 0.0);
+        let SkyRequest { scene, scattering, lamp, response, emission, .. } =
+            sky(here, turbidity, light, terrain_hides);
+        let request = BrightnessRequest {
+            scene,
+            scenario: None,
+            turbidity,
+            scattering,
+            lamp,
+            measure,
+            light,
+            response,
+            emission,
+            terrain_hides,
+            max_places,
+        };
+        let map = observatory.brightness(&request, &|_: f64| true).unwrap();
+        let lattice = map.places().lattice();
+        let natural = measure.natural_value(&Response::Photopic);
+        let mut errors: Vec<f64> = (0..lattice.len())
+            .step_by((lattice.len() / COMPARED).max(1) | 1)
+            .filter_map(|at| {
+                let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
+                let place = map.open_scene().lattice_place(lattice, column, row);
+                let sky = observatory.sky_blocking(&sky(place, turbidity, light, terrain_hides)).ok()?;
+                let wanted = of_sky(measure, light, &sky);
+                let found = f64::from(map.places().values()[at]);
+                (wanted > LEAST_OF_NATURAL * natural).then(|| (found / wanted - 1.0).abs())
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        println!(
+            "{measure:?} {light:?}, turbidity {}, {} places, {} compared: {mean:.5} mean, {:.5} median, {:.5} 90th, {:.5} 99th, {:.5} \
+             largest; {:?}",
+            turbidity.value(),
+            lattice.len(),
+            errors.len(),
+            at(0.5),
+            at(0.9),
+            at(0.99),
+            at(1.0),
+            map.steps
+        );
+        assert!(at(0.5) <= most_median && at(0.9) <= most_90, "{measure:?} {light:?}");
+    }
+}
