@@ -7,7 +7,7 @@ use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure, RenderedSky, 
 use skyglow_physics::{EmissionMix, LampPreset, Response, Turbidity};
 use skyglow_scene::{SceneId, SumWay};
 use skyglow_tables::Scattering;
-use std::{path::PathBuf, time::Instant};
+use std::path::PathBuf;
 
 /// Brightness of a whole scene beside the panoramas of single places: at some places, drawn evenly from those of the map,
 /// the zenith of the map beside that of the sky that `skyglow sky` gives, and how many times faster all were found together.
@@ -98,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         _ => None,
     };
     let view = observatory.view(&id, None)?;
-    let start = Instant::now();
+    let start = std::time::Instant::now();
     let map = observatory.brightness_by(&view, &request, way, &|_: f64| true)?;
     let seconds = start.elapsed().as_secs_f64();
     let lattice = map.places().lattice();
@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             .join(", ")
     );
     let count = arguments.count;
-    let start = Instant::now();
+    let start = std::time::Instant::now();
     let mut errors = Vec::new();
     let mut dark = 0;
     for number in 0..count {
