@@ -40,7 +40,7 @@ pub const OPERATIONS: &[Operation] = &[
     get("get_sky", "scenes/{scene}/sky", p::SkyParameters::ALL),
     get("get_panorama_json", "scenes/{scene}/panorama.json", p::GridParameters::ALL),
     get("get_panorama_png", "scenes/{scene}/panorama.png", p::PanoramaParameters::ALL),
-    get("get_panorama_webp", "scenes/{scene}/panorama.webp", p::PanoramaParameters::ALL),
+    get("get_panorama_webp", "scenes/{scene}/panorama.webp", p::WebPParameters::ALL),
     get("get_panorama_tif", "scenes/{scene}/panorama.tif", p::RasterParameters::ALL),
     get("get_panorama_exr", "scenes/{scene}/panorama.exr", p::RasterParameters::ALL),
     get("get_panorama_sky", "scenes/{scene}/panorama.sky", p::CompactParameters::ALL),

@@ -228,7 +228,8 @@ mod tests {
             ];
             for (measure, towards_deg) in facing {
                 let wanted = (azimuth_deg - towards_deg).to_radians().cos().max(0.0);
-                assert!((of(measure) - wanted).abs() < 0.02, "{azimuth_deg} {measure:?}: {}", of(measure));
+                // Where the cosine is cut off, waves up to the sixth miss it by 1/(7π).
+                assert!((of(measure) - wanted).abs() < 0.046, "{azimuth_deg} {measure:?}: {}", of(measure));
             }
         }
         assert!(MapMeasure::Slope.of_sums(&[f32::NAN]).is_nan());

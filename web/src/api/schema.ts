@@ -4403,8 +4403,14 @@ export interface operations {
     get_tileset_tile: {
         parameters: {
             query?: {
-                /** @description What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the horizontal illuminance, what the ground has. Allowed: zenith, mean, horizontal. */
-                measure?: "zenith" | "mean" | "horizontal";
+                /** @description What of the open sky a map shows: the mean luminance within 5° of the zenith, or of the whole sky; or the illuminance of a surface: `horizontal` of level ground; `slope` of the ground as the terrain slopes, behind its own horizon; `vertical_…` of walls that face the four sides, and of the one that receives most; `cylindrical`, the mean over all walls; `spherical`, the mean over a small sphere. Allowed: zenith, mean, horizontal, slope, vertical_north, vertical_east, vertical_south, vertical_west, vertical_largest, cylindrical, spherical. */
+                measure?: "zenith" | "mean" | "horizontal" | "slope" | "vertical_north" | "vertical_east" | "vertical_south" | "vertical_west" | "vertical_largest" | "cylindrical" | "spherical";
+                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
+                sky?: "artificial" | "total";
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                time?: string;
+                /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
+                solar_flux?: number;
                 /** @description Turbidity at sea level: 1 is clean air, 2.5 a clear night, 6 haze. The resident packs of the scattering narrow the range. Allowed: 1 to 20. */
                 turbidity?: number;
                 /** @description Orders of scattering: `multiple` counts all of them and the light that the ground sends back, `single` the first alone. The default is `multiple` where tables for it are resident, else `single`. Allowed: single, multiple. */

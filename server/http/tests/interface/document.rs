@@ -63,6 +63,8 @@ async fn document_and_routes_are_the_same() {
                 503
             }
             path if ["/area", "/map", "/{tileCol}"].iter().any(|end| path.ends_with(end)) => 503,
+            // There is no basemap here.
+            path if path.starts_with("/api/v1/basemap/") => 404,
             path if ["{plan}", "{scenario}", "{job}"].iter().any(|id| path.contains(id)) => 404,
             // They are only posted to.
             path if ["/skies", "/skies.parquet", "/execution"].iter().any(|end| path.ends_with(end)) => 405,

@@ -1,0 +1,1 @@
+var e={screen:[2048,2359296],"4k":[3840,8294400],moving:[1280,921600]};function t(t,n,r){let i={equirectangular:4,fisheye:1,perspective:n}[t],[a,o]=e[r],s=Math.floor(Math.min(a,a*i,Math.sqrt(o*i)));return{width:s,height_px:Math.floor(s/i)}}export{t};

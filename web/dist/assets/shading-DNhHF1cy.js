@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-B50ieL79.js";

@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-8bNJV4a3.js";
