@@ -257,23 +257,24 @@ def natural():
 
 def all_skies(place):
     """The whole sky at four hours: on one scale, and each on its own."""
-    from matplotlib import colors, pyplot
+    from matplotlib import colors, pyplot, ticker
 
     dome = {**place, "terrain": "on", "sky": "total", "projection": "fisheye", "width": 400, "height_px": 400, "legend": "off", "colormap": "viridis"}
     hours = {
-        "new Moon": ("2026-08-12T22:00:00Z", 2e-4, 2e-3), "half Moon in the south-west": ("2026-08-20T20:00:00Z", 3e-4, 1e-2),
+        "new Moon": ("2026-08-12T22:00:00Z", 1e-4, 1e-2), "half Moon in the south-west": ("2026-08-20T20:00:00Z", 3e-4, 1e-2),
         "twilight, the Sun 11° below": ("2026-08-12T19:40:00Z", 1e-3, 1e-1), "day": ("2026-08-12T10:00:00Z", 1e3, 3e4),
     }
-    figure, rows = pyplot.subplots(2, 4, figsize=(13, 7), layout="constrained")
+    figure, rows = pyplot.subplots(2, 4, figsize=(13, 7.2), layout="constrained")
     for column, (words, (time, least, most)) in enumerate(hours.items()):
         for axis, (low, high) in zip(rows[:, column], ((1e-4, 1e4), (least, most))):
             axis.imshow(picture(f"{API}/scenes/demo/panorama.png", **dome, time=time, min=low, max=high))
             axis.axis("off")
             bar = pyplot.cm.ScalarMappable(norm=colors.LogNorm(low, high), cmap="viridis")
             if axis is rows[1, column] or column == 3:
-                figure.colorbar(bar, ax=axis, orientation="horizontal" if axis is rows[1, column] else "vertical", shrink=0.8, label="cd/m²")
-        rows[0, column].set_title(words)
-    figure.savefig(f"{FOLDER}/all-skies.png", dpi=100)
+                scale = figure.colorbar(bar, ax=axis, orientation="horizontal" if axis is rows[1, column] else "vertical", shrink=0.8, label="cd/m²")
+                scale.ax.xaxis.set_minor_formatter(ticker.NullFormatter())
+        rows[0, column].set_title(words, fontsize=11)
+    figure.savefig(f"{FOLDER}/all-skies.png", dpi=100, bbox_inches="tight", pad_inches=0.1)
 
 
 def swaps():
