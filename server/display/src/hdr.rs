@@ -171,7 +171,7 @@ mod tests {
 
     /// White is 203 cd/m² in every channel, and the lights' white the peak.
     #[test]
-    fn white_is_reference_white_and_lights_are_brighter() {
+    fn white_is_203_and_lights_are_brighter() {
         let bytes = SrgbBytes::default();
         for (lights, wanted) in [(0.0, SDR_WHITE_CD_M2), (1.0, PEAK_CD_M2), (0.5, 601.5)] {
             let ink = HdrInk::of([1.0; 3], lights, &bytes);
@@ -193,7 +193,7 @@ mod tests {
 
     /// The Moon and a bright star go above white in both styles, the sky around them has the picture's own colours.
     #[test]
-    fn moon_and_stars_go_above_white_and_the_sky_does_not() {
+    fn moon_and_stars_alone_go_above_white() {
         let (moon_at, star_at) = (looking(90.0, 30.0), looking(70.0, 20.0));
         let moon = Disc {
             direction: moon_at,

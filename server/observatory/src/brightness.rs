@@ -1,69 +1,26 @@
 //! How bright the sky is at every place of a scene, by default at the zenith: the layer that the public knows from the World Atlas.
 
 use crate::{
-    error::ObservatoryError, map_measure::MapMeasure, natural_places::NaturalPlaces, night_sky::SkyTime,
-    observatory::Observatory, place_sums::Kernels, scene_view::SceneView, slope_light::SlopeLight,
+    brightness_request::{BrightnessRequest, EYE_HEIGHT_M, MapLight},
+    error::ObservatoryError,
+    map_measure::MapMeasure,
+    natural_places::NaturalPlaces,
+    observatory::Observatory,
+    place_sums::Kernels,
+    scene_view::SceneView,
+    slope_light::SlopeLight,
 };
 use rayon::prelude::*;
-use serde::Serialize;
-use skyglow_physics::{Emission, GeoPoint, Lamp, Response, Turbidity};
-use skyglow_render::{RenderError, pack_kind::PackKind};
-use skyglow_scene::{
-    ChangeId, PatchStore, PlaceLattice, PlaceValues, RasterTile, Scene, SceneId, SceneMetadata, SumWay,
-};
-use skyglow_tables::Scattering;
+use skyglow_physics::{GeoPoint, Response};
+use skyglow_render::RenderError;
+use skyglow_scene::{PatchStore, PlaceLattice, PlaceValues, RasterTile, Scene, SceneMetadata, SumWay};
 use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
 
-/// The observer's eye above the ground, metres.
-pub const EYE_HEIGHT_M: f64 = 2.0;
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
-
-/// Which light a map shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub enum MapLight {
-    /// Artificial light alone.
-    #[default]
-    Artificial,
-    /// With the natural sky of an instant, or else with the dark reference.
-    Total(Option<SkyTime>),
-}
-
-/// A request for one map of brightness: under a clear sky, two metres above the ground.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BrightnessRequest {
-    /// The scene.
-    pub scene: SceneId,
-    /// The scenario or plan that changes its lights; None for the scene as it is.
-    pub scenario: Option<ChangeId>,
-    /// Turbidity, in the resident range.
-    pub turbidity: Turbidity,
-    /// Orders of scattering, of which packs are resident.
-    pub scattering: Scattering,
-    /// The lamp.
-    pub lamp: Lamp,
-    /// What of the sky.
-    pub measure: MapMeasure,
-    /// Which light.
-    pub light: MapLight,
-    /// What sees the sky.
-    pub response: Response,
-    /// Where lamps send their light, and what of them the satellite's radiance says.
-    pub emission: Emission,
-    /// Whether terrain hides the low light of lamps behind it.
-    pub terrain_hides: bool,
-    /// Places at most; beyond, pixels share one by blocks.
-    pub max_places: usize,
-}
-
-impl BrightnessRequest {
-    pub(crate) fn kind(&self) -> PackKind {
-        PackKind { cloud_base_m: None, scattering: self.scattering }
-    }
-}
 
 /// What the response of a request sees of its light, by the request's measure and in its unit, at places all over a scene.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 //! enough from each other, picked greedily.
 
 use crate::{
-    brightness::BrightnessRequest, error::ObservatoryError, observatory::Observatory, scene_view::SceneView,
-    watch::Watch,
+    brightness_request::BrightnessRequest, error::ObservatoryError, observatory::Observatory,
+    scene_view::SceneView, watch::Watch,
 };
 use rayon::prelude::*;
 use skyglow_physics::{GeoPoint, geometry::LocalFrame};

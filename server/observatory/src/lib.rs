@@ -1,6 +1,7 @@
 //! From a place in a scene to its sky, to which lights cause it, and to what to dim. No device, no HTTP.
 
 pub mod brightness;
+mod brightness_request;
 mod cache_sizes;
 mod change;
 mod clean_directions;
@@ -29,13 +30,13 @@ mod scene_view;
 mod shares;
 mod sky;
 mod sky_at_times;
+mod sky_below;
 mod slope_light;
 mod surroundings;
 mod watch;
 
-pub use brightness::{
-    BrightnessMap, BrightnessRequest, EYE_HEIGHT_M, MAX_PLACES, MapLight, PreparedBrightness,
-};
+pub use brightness::{BrightnessMap, MAX_PLACES, PreparedBrightness};
+pub use brightness_request::{BrightnessRequest, EYE_HEIGHT_M, MapLight};
 pub use cache_sizes::CacheSizes;
 pub use change::{ScenarioRecord, store_scenario};
 pub use clean_directions::{LowSky, low_sky};

@@ -2,13 +2,13 @@
 //! (`docs/model.md#brightness`).
 
 use crate::{
-    brightness::{BrightnessRequest, MapLight},
+    brightness_request::{BrightnessRequest, MapLight},
     coarse_places::CoarsePlaces,
     error::ObservatoryError,
     map_measure::{MapMeasure, Sum, Table},
     night_sky::{NightSky, Overhead, SkyTime, dark_sky},
     observatory::Observatory,
-    slope_light::SkyBelow,
+    sky_below::SkyBelow,
 };
 use glam::{DVec3, Vec2};
 use skyglow_celestial::Component;

@@ -2,7 +2,7 @@
 //! turbidities.
 
 use crate::{
-    brightness::BrightnessRequest,
+    brightness_request::BrightnessRequest,
     error::ObservatoryError,
     influence::{InfluenceSolver, KernelOf, KernelRange, place_kernel},
     map_measure::{Sum, Table},

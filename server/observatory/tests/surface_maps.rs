@@ -65,7 +65,6 @@ struct Case(MapMeasure, MapLight, f64, usize, [f64; 2]);
 /// On slopes behind their horizons, on walls, cylinders and spheres, by artificial light, with the dark reference and by a Moon, maps
 /// say what the integrals over the panoramas of their places do.
 #[test]
-#[ignore = "takes seconds: make check leaves it to make test"]
 fn surfaces_are_lit_as_panoramas_say() {
     let folder = tempfile::tempdir().unwrap();
     let observatory = observatory(folder.path());
@@ -73,14 +72,12 @@ fn surfaces_are_lit_as_panoramas_say() {
     let moon = MapLight::Total(Some(SkyTime { instant, solar_flux_sfu: DEFAULT_SOLAR_FLUX_SFU }));
     let artificial = MapLight::Artificial;
     let places: usize =
-        std::env::var("SURFACE_MAP_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(20_000);
+        std::env::var("SURFACE_MAP_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(5_000);
     for Case(measure, light, turbidity, max_places, [most_median, most_90]) in [
         Case(MapMeasure::Slope, artificial, 2.5, places, [0.01, 0.03]),
         Case(MapMeasure::Cylindrical, artificial, 2.5, 5_000, [0.005, 0.03]),
-        Case(MapMeasure::Spherical, artificial, 2.5, 5_000, [0.005, 0.03]),
         Case(MapMeasure::VerticalEast, artificial, 3.0, 5_000, [0.01, 0.05]),
         Case(MapMeasure::VerticalLargest, artificial, 2.5, 5_000, [0.01, 0.03]),
-        Case(MapMeasure::Slope, artificial, 3.0, places, [0.01, 0.03]),
         Case(MapMeasure::Slope, MapLight::Total(None), 2.5, 5_000, [0.01, 0.03]),
         Case(MapMeasure::Slope, moon, 2.5, 5_000, [0.01, 0.03]),
         Case(MapMeasure::VerticalLargest, moon, 2.5, 5_000, [0.01, 0.03]),
