@@ -52,7 +52,7 @@ function step(lights: readonly Light[], count: "row" | "column", degrees: "latit
 }
 
 export class LightTip {
-  private readonly tip = make("div", "area-tip");
+  private readonly tip = make("div", "area-tip light-tip");
   private finder = new LightFinder([]);
 
   constructor(private readonly map: MapLibreMap) {
