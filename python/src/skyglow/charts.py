@@ -18,6 +18,7 @@ from .questions import Questions
 PLACES = 50_000
 # The parameters of these are what a map of brightness goes by.
 OPERATION = "get_brightness_tif"
+NATURAL = ("sky", "time", "solar_flux")
 
 
 class Chart(Protocol):
@@ -30,7 +31,8 @@ class Chart(Protocol):
 def chart(source: Questions, scene: str, asked: Mapping[str, Any]) -> Chart:
     """The map of a scene with what it goes by of what is asked for a sky."""
     taken = source.parameters(OPERATION).index
-    of_map = {name: value for name, value in asked.items() if name in taken}
+    # Maps of the zenith know artificial light alone.
+    of_map = {name: value for name, value in asked.items() if name in taken and name not in NATURAL}
     return OfEngine(source, scene, of_map) if isinstance(source, Engine) else OfServer(source, scene, of_map)
 
 
