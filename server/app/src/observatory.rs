@@ -305,8 +305,7 @@ impl SkySource for ObservatorySource {
     }
 
     fn refresh_scenes(&self) -> Result<(), AppError> {
-        let failed = self.observatory.refresh_scenes().map_err(ObservatoryError::from)?;
-        failed.into_iter().next().map_or(Ok(()), |error| Err(ObservatoryError::from(error).into()))
+        Ok(self.observatory.refresh_scenes().map_err(ObservatoryError::from)?)
     }
 
     fn plan_by_id(&self, id: &ChangeId) -> Result<(StoredPlan, u64), AppError> {

@@ -215,7 +215,7 @@ pub trait SkySource: Send + Sync + 'static {
     /// Copies the scenes that other servers over the same store have, and removes those that are there no more.
     ///
     /// # Errors
-    /// [`AppError::StoreAway`], and what is wrong with the first scene that could not be copied.
+    /// [`AppError::StoreAway`].
     fn refresh_scenes(&self) -> Result<(), AppError> {
         Ok(())
     }

@@ -85,19 +85,22 @@ impl Observatory {
         Self { shared_scenes: Some(scenes), ..self }
     }
 
-    /// Copies what is new among the scenes that servers share, and lets go of what is open of those that changed. What went wrong
+    /// Copies what is new among the scenes that servers share, lets go of what is open of those that changed, and logs what went wrong
     /// with single scenes.
     ///
     /// # Errors
     /// As [`SharedScenes::refresh`].
-    pub fn refresh_scenes(&self) -> Result<Vec<SceneError>, SceneError> {
-        let Some(shared) = &self.shared_scenes else { return Ok(Vec::new()) };
+    pub fn refresh_scenes(&self) -> Result<(), SceneError> {
+        let Some(shared) = &self.shared_scenes else { return Ok(()) };
         let (changed, failed) = shared.refresh(self.store())?;
+        for error in failed {
+            tracing::error!(%error, "a scene of the store that servers share is not copied");
+        }
         for id in &changed {
             tracing::info!(scene = %id, "the scene of the store that servers share is new here, or gone");
             self.scenes.forget(id);
         }
-        Ok(failed)
+        Ok(())
     }
 
     /// Tables for the natural sky of an instant.
@@ -126,7 +129,7 @@ impl Observatory {
     /// [`SceneError::UnknownScene`], [`SceneError::Io`], [`SceneError::StoreAway`].
     pub fn remove_scene(&self, id: &SceneId) -> Result<(), SceneError> {
         if let Some(shared) = self.shared_scenes.as_ref().filter(|_| self.store().exists(id)) {
-            shared.remove(id)?;
+            shared.remove(self.store(), id)?;
         }
         self.store().remove(id)?;
         self.scenes.forget(id);

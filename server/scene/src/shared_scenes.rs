@@ -94,12 +94,16 @@ impl SharedScenes {
         }
     }
 
-    /// Removes a scene from the store and, in time, from the folders that have a copy, if it is there.
+    /// Removes the scene of a folder from the store and, in time, from the folders that have a copy, if it is there: another by that
+    /// name stays.
     ///
     /// # Errors
     /// [`SceneError::StoreAway`].
-    pub fn remove(&self, id: &SceneId) -> Result<(), SceneError> {
+    pub fn remove(&self, local: &SceneStore, id: &SceneId) -> Result<(), SceneError> {
         let Some(stored) = self.metadata(id)? else { return Ok(()) };
+        if local.read_metadata(id).is_ok_and(|here| here.metadata.version != stored.metadata.version) {
+            return Ok(());
+        }
         self.store.put(&gone(id), stored.metadata.version.as_bytes())?;
         self.store.remove(&described(id))?;
         self.remove_files(id, &stored)
@@ -161,7 +165,7 @@ impl SharedScenes {
         let here = local.read_metadata(id).ok().map(|here| here.metadata.version);
         let known = self.copies(local).copies.get(id.as_str()).cloned();
         if here.as_ref() == Some(&version) {
-            if known.is_none() {
+            if known.as_ref() != Some(&version) {
                 self.note(local, id, Some(version))?;
             }
             return Ok(false);

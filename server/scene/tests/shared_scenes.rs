@@ -58,8 +58,8 @@ fn scenes_are_those_of_the_store() {
     assert_eq!(refresh(&b.1, &b.0.store), ids);
     assert_eq!(b.0.store.open(&id).unwrap().metadata().version, second.metadata().version);
     // What is removed goes everywhere, and may come again.
-    b.1.remove(&id).unwrap();
-    b.1.remove(&id).unwrap();
+    b.1.remove(&b.0.store, &id).unwrap();
+    b.1.remove(&b.0.store, &id).unwrap();
     assert_eq!(bucket.names(), [format!("scenes/{id}.gone")]);
     for server in [&a, &b] {
         assert_eq!(refresh(&server.1, &server.0.store), ids);
@@ -87,7 +87,9 @@ fn own_scenes_stay() {
     assert!(refresh(&b.1, &b.0.store).is_empty());
     // Who put it without following it keeps it, and so does who has one of that name that is no copy.
     refresh(&c.1, &c.0.store);
-    c.1.remove(&id).unwrap();
+    b.1.remove(&b.0.store, &id).unwrap();
+    assert!(bucket.names().len() > 1, "another of that name was removed here");
+    c.1.remove(&c.0.store, &id).unwrap();
     for server in [&a, &b] {
         assert!(refresh(&server.1, &server.0.store).is_empty() && server.0.store.exists(&id));
     }
@@ -111,7 +113,7 @@ fn what_is_here_stays_when_the_store_is_away() {
     refresh(&of_b, &b.store);
     bucket.is_away.store(true, Ordering::Relaxed);
     assert!(matches!(of_b.refresh(&b.store), Err(SceneError::StoreAway { .. })));
-    assert!(matches!(of_b.remove(&id), Err(SceneError::StoreAway { .. })));
+    assert!(matches!(of_b.remove(&b.store, &id), Err(SceneError::StoreAway { .. })));
     b.store.open(&id).unwrap();
     bucket.is_away.store(false, Ordering::Relaxed);
 

@@ -3,6 +3,7 @@
 use super::frame::{Answer, JsonRequest};
 use crate::{
     error::ApiError,
+    problem::Problem,
     respond::{CachePolicy, json_by_content},
     state::AppState,
     trust::PublicAddress,
@@ -76,6 +77,7 @@ pub async fn get_basemap(Extension(address): Extension<PublicAddress>, request: 
     responses(
         (status = 200, description = "The tile", body = Vec<u8>, content_type = "application/vnd.mapbox-vector-tile"),
         (status = 204, description = "Nothing is there"),
+        (status = 404, description = "This server has no basemap", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get_basemap_tile(

@@ -1,48 +1,23 @@
 //! Maps of the light on surfaces beside the panoramas of their places.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
+mod common;
+
 use skyglow_celestial::{Instant, heavens::DEFAULT_SOLAR_FLUX_SFU};
-use skyglow_observatory::{
-    BrightnessRequest, MapLight, MapMeasure, Observatory, ObserverHeight, RenderedSky, SkyRequest, SkyTime,
-};
-use skyglow_physics::{EmissionMix, GeoPoint, LampPreset, Response, Turbidity};
-use skyglow_render::{DeviceChoice, Engine, EngineConfig, celestial::CelestialTables, resident_tables};
-use skyglow_scene::{SceneId, SceneStore, create_demo};
-use skyglow_tables::{Scattering, packs_in};
-use std::path::Path;
+use skyglow_lab::setup::open_sky;
+use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure, RenderedSky, SkyRequest, SkyTime};
+use skyglow_physics::{GeoPoint, Response, Turbidity};
+use skyglow_scene::SceneId;
 
 /// Places that are compared, of each map.
 const COMPARED: usize = 60;
 /// Darker places are left out, parts of the dark reference: a map's colours begin at 0.01.
 const LEAST_OF_NATURAL: f64 = 1e-3;
 
-fn observatory(folder: &Path) -> Observatory {
-    create_demo(&SceneStore::new(folder), &mut |_| {}).unwrap();
-    let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
-    let (tables, manifests) = resident_tables(&packs_in(&packs).unwrap()).unwrap();
-    let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
-    let observatory = Observatory::new(Engine::start(config).unwrap(), manifests, folder, 1);
-    observatory.with_celestial_tables(CelestialTables::open(&packs).unwrap().unwrap())
-}
-
 fn sky(place: GeoPoint, turbidity: Turbidity, light: MapLight, terrain_hides: bool) -> SkyRequest {
-    SkyRequest {
-        scene: SceneId::parse("demo").unwrap(),
-        scenario: None,
-        place,
-        observer_height: ObserverHeight::AboveGround(2.0),
-        turbidity,
-        scattering: Scattering::Multiple,
-        cloud_base_m: None,
-        broken_clouds: None,
-        response: Response::Photopic,
-        lamp: LampPreset::Mixed.lamp(),
-        emission: EmissionMix::garstang().into(),
-        basis: None,
-        tolerance: None,
-        terrain_hides,
-        time: if let MapLight::Total(time) = light { time } else { None },
-    }
+    let time = if let MapLight::Total(time) = light { time } else { None };
+    let open = open_sky(SceneId::parse("demo").unwrap(), place, turbidity);
+    SkyRequest { terrain_hides, time, ..open }
 }
 
 fn of_sky(measure: MapMeasure, light: MapLight, sky: &RenderedSky) -> f64 {
@@ -66,8 +41,7 @@ struct Case(MapMeasure, MapLight, f64, usize, [f64; 2]);
 /// say what the integrals over the panoramas of their places do.
 #[test]
 fn surfaces_are_lit_as_panoramas_say() {
-    let folder = tempfile::tempdir().unwrap();
-    let observatory = observatory(folder.path());
+    let observatory = common::demo("surface-maps");
     let instant = Instant::parse("2026-08-22T19:30:00Z").unwrap();
     let moon = MapLight::Total(Some(SkyTime { instant, solar_flux_sfu: DEFAULT_SOLAR_FLUX_SFU }));
     let artificial = MapLight::Artificial;
