@@ -1,59 +1,55 @@
 //! A basemap that the operator puts beside the scenes: vector tiles in one file (PMTiles, version 3), read tile by tile.
 
-use flate2::read::GzDecoder;
-use pmtiles::{TileCoord, TileId};
-use serde_json::Value;
-use std::{
-    collections::HashMap,
-    fs::File,
-    io::Read,
-    os::unix::fs::FileExt,
-    path::Path,
-    sync::{Arc, Mutex, PoisonError},
+use axum::body::Bytes;
+use futures_util::FutureExt;
+use pmtiles::{
+    AsyncBackend, AsyncPmTilesReader, BackendResponse, Compression, PmtError, PmtResult, TileCoord, TileType,
 };
+use serde_json::Value;
+use std::{fmt, fs::File, future::Future, os::unix::fs::FileExt, path::Path};
 use thiserror::Error;
 
-const MAGIC: &[u8] = b"PMTiles\x03";
-const HEADER_BYTES: usize = 127;
-/// Directories and metadata of real files have some megabytes at most.
-const MAX_DIRECTORY_BYTES: u64 = 64 << 20;
-/// A tile of a map has a megabyte at most.
-const MAX_TILE_BYTES: u64 = 8 << 20;
-/// Directories below the root lie below each other so deep at most, as the specification has it.
-const MAX_DEPTH: usize = 4;
-/// Directories that are kept.
-const KEPT_DIRECTORIES: usize = 64;
-/// Vector tiles of Mapbox's kind.
-const VECTOR_TILES: u8 = 1;
+/// Directories, metadata and tiles of real files have some megabytes at most.
+const MAX_PART_BYTES: usize = 64 << 20;
 
 /// Why a file is no basemap.
 #[derive(Debug, Error)]
 pub enum BasemapError {
-    /// It cannot be read.
+    /// It cannot be opened.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// It is none of these.
-    #[error("it is {0}")]
-    Invalid(&'static str),
+    /// It is no PMTiles file, or a broken one.
+    #[error("it is no sound PMTiles file of version 3: {0}")]
+    Unreadable(#[from] PmtError),
+    /// It holds other tiles.
+    #[error("it is no file of vector tiles (MVT)")]
+    NotVectorTiles,
 }
 
-/// An entry of a directory: tiles from an id on, or a directory where it has no run.
-#[derive(Clone, Copy, Debug, Default)]
-struct Entry {
-    id: u64,
-    run: u64,
-    length: u64,
-    offset: u64,
+/// Reads parts of a file at once: what waits for them never waits.
+struct Parts(File);
+
+impl AsyncBackend for Parts {
+    async fn read(&self, offset: u64, length: usize) -> PmtResult<BackendResponse> {
+        if length > MAX_PART_BYTES {
+            return Err(PmtError::InvalidEntry);
+        }
+        let mut bytes = vec![0; length];
+        let mut filled = 0;
+        while filled < length {
+            match self.0.read_at(&mut bytes[filled..], offset.saturating_add(filled as u64))? {
+                0 => break,
+                more => filled += more,
+            }
+        }
+        bytes.truncate(filled);
+        Ok(BackendResponse::new(bytes.into()))
+    }
 }
 
 /// A file of vector tiles.
-#[derive(Debug)]
 pub struct Basemap {
-    file: File,
-    root: Vec<Entry>,
-    leaves_at: u64,
-    tiles_at: u64,
-    is_directory_gzip: bool,
+    reader: AsyncPmTilesReader<Parts>,
     /// How tiles are compressed, as HTTP names it.
     pub(crate) encoding: Option<&'static str>,
     pub(crate) zooms: (u8, u8),
@@ -63,7 +59,12 @@ pub struct Basemap {
     pub(crate) attribution: String,
     /// Names of the layers.
     pub(crate) layers: Vec<String>,
-    kept: Mutex<HashMap<u64, Arc<Vec<Entry>>>>,
+}
+
+impl fmt::Debug for Basemap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Basemap").field("zooms", &self.zooms).field("layers", &self.layers).finish()
+    }
 }
 
 impl Basemap {
@@ -72,47 +73,24 @@ impl Basemap {
     /// # Errors
     /// [`BasemapError`] for what is no PMTiles file of vector tiles.
     pub fn open(path: &Path) -> Result<Self, BasemapError> {
-        let file = File::open(path)?;
-        let mut header = [0; HEADER_BYTES];
-        file.read_exact_at(&mut header, 0)?;
-        if !header.starts_with(MAGIC) {
-            return Err(BasemapError::Invalid("no PMTiles file of version 3"));
+        let reader = at_once(AsyncPmTilesReader::try_from_source(Parts(File::open(path)?)))?;
+        let header = reader.get_header();
+        if header.tile_type != TileType::Mvt {
+            return Err(BasemapError::NotVectorTiles);
         }
-        if header[99] != VECTOR_TILES {
-            return Err(BasemapError::Invalid("no file of vector tiles (MVT)"));
+        if header.tile_compression == Compression::Unknown {
+            return Err(PmtError::InvalidCompression.into());
         }
-        let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| header[at + i]));
-        let degrees =
-            |at: usize| f64::from(i32::from_le_bytes(std::array::from_fn(|i| header[at + i]))) * 1e-7;
-        let is_directory_gzip = match header[97] {
-            1 => false,
-            2 => true,
-            _ => return Err(BasemapError::Invalid("compressed otherwise than by gzip")),
-        };
-        let encoding = match header[98] {
-            1 => None,
-            2 => Some("gzip"),
-            3 => Some("br"),
-            4 => Some("zstd"),
-            _ => return Err(BasemapError::Invalid("compressed in an unknown way")),
-        };
-        let read = |at: u64, length: u64| read_part(&file, (at, length), is_directory_gzip);
-        let root = directory(&read(number(8), number(16))?)?;
-        let metadata: Value = serde_json::from_slice(&read(number(24), number(32))?).unwrap_or_default();
+        let metadata: Value = serde_json::from_str(&at_once(reader.get_metadata())?).unwrap_or_default();
         let layers = metadata["vector_layers"].as_array().into_iter().flatten();
         let layers = layers.filter_map(|layer| layer["id"].as_str()).map(str::to_owned).collect();
         Ok(Self {
-            root,
-            leaves_at: number(40),
-            tiles_at: number(56),
-            is_directory_gzip,
-            encoding,
-            zooms: (header[100], header[101]),
-            bounds: [degrees(102), degrees(106), degrees(110), degrees(114)],
+            encoding: header.tile_compression.content_encoding(),
+            zooms: (header.min_zoom, header.max_zoom),
+            bounds: [header.min_longitude, header.min_latitude, header.max_longitude, header.max_latitude],
             attribution: without_markup(metadata["attribution"].as_str().unwrap_or_default()),
             layers,
-            kept: Mutex::default(),
-            file,
+            reader,
         })
     }
 
@@ -120,109 +98,16 @@ impl Basemap {
     ///
     /// # Errors
     /// [`BasemapError`] for a file that has changed or is broken.
-    pub fn tile(&self, z: u8, x: u32, y: u32) -> Result<Option<Vec<u8>>, BasemapError> {
+    pub fn tile(&self, z: u8, x: u32, y: u32) -> Result<Option<Bytes>, BasemapError> {
         let Ok(coord) = TileCoord::new(z, x, y) else { return Ok(None) };
-        let id = TileId::from(coord).value();
-        let mut found = entry(&self.root, id);
-        for _ in 0..MAX_DEPTH {
-            match found {
-                Some(Entry { run: 0, length, offset, .. }) => {
-                    found = entry(&self.leaf(offset, length)?, id);
-                }
-                Some(Entry { length, offset, .. }) => {
-                    if length > MAX_TILE_BYTES {
-                        return Err(BasemapError::Invalid("broken: a tile is too long"));
-                    }
-                    return Ok(Some(read_part(
-                        &self.file,
-                        (self.tiles_at.saturating_add(offset), length),
-                        false,
-                    )?));
-                }
-                None => return Ok(None),
-            }
-        }
-        Err(BasemapError::Invalid("broken: its directories are too deep"))
-    }
-
-    fn leaf(&self, offset: u64, length: u64) -> Result<Arc<Vec<Entry>>, BasemapError> {
-        if let Some(known) = self.kept.lock().unwrap_or_else(PoisonError::into_inner).get(&offset) {
-            return Ok(Arc::clone(known));
-        }
-        let part = (self.leaves_at.saturating_add(offset), length);
-        let leaf = Arc::new(directory(&read_part(&self.file, part, self.is_directory_gzip)?)?);
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.len() >= KEPT_DIRECTORIES {
-            kept.clear();
-        }
-        kept.insert(offset, Arc::clone(&leaf));
-        Ok(leaf)
+        Ok(at_once(self.reader.get_tile(coord))?)
     }
 }
 
-/// Bytes of the file from a place on, uncompressed where they are compressed.
-fn read_part(file: &File, (at, length): (u64, u64), is_gzip: bool) -> Result<Vec<u8>, BasemapError> {
-    if length > MAX_DIRECTORY_BYTES {
-        return Err(BasemapError::Invalid("broken: a part is too long"));
-    }
-    let mut bytes = vec![0; length as usize];
-    file.read_exact_at(&mut bytes, at)?;
-    if !is_gzip {
-        return Ok(bytes);
-    }
-    let mut plain = Vec::new();
-    GzDecoder::new(&bytes[..]).take(MAX_DIRECTORY_BYTES).read_to_end(&mut plain)?;
-    Ok(plain)
-}
-
-/// The entries of a directory: ids as differences, runs, lengths, and offsets, of which 0 is "after the one before".
-fn directory(mut bytes: &[u8]) -> Result<Vec<Entry>, BasemapError> {
-    let count = varint(&mut bytes)?;
-    if count > bytes.len() as u64 / 4 {
-        return Err(BasemapError::Invalid("broken: a directory is cut off"));
-    }
-    let mut entries = vec![Entry::default(); count as usize];
-    let mut id = 0u64;
-    for entry in &mut entries {
-        id = id.saturating_add(varint(&mut bytes)?);
-        entry.id = id;
-    }
-    for entry in &mut entries {
-        entry.run = varint(&mut bytes)?;
-    }
-    for entry in &mut entries {
-        entry.length = varint(&mut bytes)?;
-    }
-    let mut after = 0u64;
-    for entry in &mut entries {
-        entry.offset = match varint(&mut bytes)? {
-            0 => after,
-            offset => offset - 1,
-        };
-        after = entry.offset.saturating_add(entry.length);
-    }
-    Ok(entries)
-}
-
-fn varint(bytes: &mut &[u8]) -> Result<u64, BasemapError> {
-    let mut value = 0;
-    for shift in (0..64).step_by(7) {
-        let (&byte, rest) =
-            bytes.split_first().ok_or(BasemapError::Invalid("broken: a directory is cut off"))?;
-        *bytes = rest;
-        value |= u64::from(byte & 0x7f) << shift;
-        if byte < 0x80 {
-            return Ok(value);
-        }
-    }
-    Err(BasemapError::Invalid("broken: a number is too long"))
-}
-
-/// The entry that has an id, or the directory that may have it.
-fn entry(entries: &[Entry], id: u64) -> Option<Entry> {
-    let last = entries.partition_point(|entry| entry.id <= id).checked_sub(1)?;
-    let found = entries[last];
-    (found.run == 0 || id - found.id < found.run).then_some(found)
+/// What comes without waiting, as all that [`Parts`] reads does.
+fn at_once<T>(reading: impl Future<Output = PmtResult<T>>) -> PmtResult<T> {
+    let waiting = || PmtError::Reading(std::io::ErrorKind::WouldBlock.into());
+    reading.now_or_never().unwrap_or_else(|| Err(waiting()))
 }
 
 /// Text of HTML without its tags.
@@ -239,7 +124,7 @@ fn without_markup(html: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pmtiles::{Compression, PmTilesWriter, TileType};
+    use pmtiles::{PmTilesWriter, TileId};
 
     /// A file of so many tiles of a zoom, each of its own bytes, written by another program than ours.
     fn written(path: &Path, z: u8, side: u32) {
