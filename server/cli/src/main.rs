@@ -20,12 +20,12 @@ mod settings;
 mod table;
 mod values;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use skyglow_tables::{
     celestial::manifest::{CELESTIAL_FORMAT_VERSION, CELESTIAL_MODEL_VERSION},
     manifest::{FORMAT_VERSION, MODEL_VERSION},
 };
-use std::{process::ExitCode, sync::LazyLock};
+use std::{collections::BTreeSet, process::ExitCode, sync::LazyLock};
 
 /// The program, and which packs and celestial tables it reads: those of the same format and of the same model of the air.
 static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
@@ -65,12 +65,33 @@ fn quiet_mesa() {
     }
 }
 
+/// What begins the names of this program's variables.
+const OUR_VARIABLES: &str = "SKYGLOW_";
+/// And of those of its tests.
+const TEST_VARIABLES: &str = "SKYGLOW_TEST_";
+
+/// Variables of the environment that look like this program's and are those of no flag: misspelt, most likely.
+fn unknown_variables(names: impl Iterator<Item = String>) -> Vec<String> {
+    fn collect(command: &clap::Command, known: &mut BTreeSet<String>) {
+        let names = command.get_arguments().filter_map(clap::Arg::get_env);
+        known.extend(names.map(|name| name.to_string_lossy().into_owned()));
+        command.get_subcommands().for_each(|command| collect(command, known));
+    }
+    let mut known = BTreeSet::new();
+    collect(&CommandLine::command(), &mut known);
+    let is_ours = |name: &String| name.starts_with(OUR_VARIABLES) && !name.starts_with(TEST_VARIABLES);
+    names.filter(is_ours).filter(|name| !known.contains(name)).collect()
+}
+
 fn main() -> ExitCode {
     quiet_mesa();
     if std::env::args_os().nth(1).is_some_and(|argument| argument == program::READ_UPLOAD) {
         return program::read_upload();
     }
     let command_line = CommandLine::parse();
+    for name in unknown_variables(std::env::vars_os().filter_map(|(name, _)| name.into_string().ok())) {
+        eprintln!("skyglow: the environment variable {name} is that of no flag and does nothing");
+    }
     // The server reads first where its traces go.
     if !matches!(command_line.command, commands::Command::Serve(_)) {
         logging::start(command_line.command.default_log_level());
@@ -87,11 +108,17 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn misspelt_variables_are_found() {
+        let names =
+            ["SKYGLOW_NO_DEMO", "SKYGLOW_NO_DEMOO", "SKYGLOW_TEST_DATA", "HOME", "SKYGLOW_CLOUD_COVER"];
+        assert_eq!(unknown_variables(names.map(str::to_owned).into_iter()), ["SKYGLOW_NO_DEMOO"]);
     }
 
     #[test]

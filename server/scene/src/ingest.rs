@@ -89,7 +89,10 @@ pub(crate) fn ingest_as(
     let mut light = radiance::read(&mosaic, options, progress)?;
     let (places, places_source) = match given {
         Some(given) => {
-            light.report.warnings.extend(given.warnings);
+            let outside = places::check_inside(&given.places, light.grid.bounds_deg());
+            let path = options.places.clone().unwrap_or_default();
+            let outside = outside.map_err(|reason| SceneError::Refused { path, reason })?;
+            light.report.warnings.extend(given.warnings.into_iter().chain(outside));
             (given.places, None)
         }
         None => {

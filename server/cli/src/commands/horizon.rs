@@ -20,7 +20,7 @@ pub(crate) struct Horizon {
     /// The scene's id
     #[arg(long, env = "SKYGLOW_SCENE", value_name = "ID", value_parser = SceneId::parse)]
     scene: SceneId,
-    /// File to write; standard output without
+    /// File to write; standard output without, or for -
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -44,8 +44,10 @@ impl Horizon {
         let horizon = view.scene().horizon(asked.place, eye_m);
         let text = horizon_text(asked.format, view.metadata(), asked.place, eye_m, &horizon);
         match &self.output {
-            Some(path) => std::fs::write(path, text).map_err(|error| Failure::file(path, error)),
-            None => print::print_line(text.trim_end()),
+            Some(path) if path.as_os_str() != "-" => {
+                std::fs::write(path, text).map_err(|error| Failure::file(path, error))
+            }
+            _ => print::print_line(text.trim_end()),
         }
     }
 }

@@ -14,7 +14,10 @@ use skyglow_app::{
     parameters::SceneNightParameters,
     request,
 };
-use skyglow_celestial::{Instant, Night as FoundNight, night::Twilight};
+use skyglow_celestial::{
+    Instant, Night as FoundNight,
+    night::{Stays, Twilight},
+};
 use skyglow_scene::SceneId;
 
 /// Say when the Sun sets and rises, how twilight goes, what the Moon does, and when the night is dark
@@ -73,7 +76,7 @@ impl Night {
 }
 
 fn hour_rows(answer: &NightHoursAnswer) -> Vec<Vec<String>> {
-    let titles = ["time", "Sun", "Moon", "zenith", "SQM", "horizon", ""];
+    let titles = ["time", "Sun, deg", "Moon, deg", "zenith, mag/arcsec2", "SQM", "horizon, mag/arcsec2", ""];
     let magnitude = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}"));
     let hour = |hour: &NightHourAnswer| {
         let is_best = answer.best_hour == Some(hour.time);
@@ -93,8 +96,14 @@ fn hour_rows(answer: &NightHoursAnswer) -> Vec<Vec<String>> {
 fn rows(night: &FoundNight) -> Vec<Vec<String>> {
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let time = |instant: Option<Instant>| instant.map_or_else(|| "not".to_owned(), Instant::to_rfc3339);
-    let all = |instants: &[Instant]| match instants {
-        [] => "not".to_owned(),
+    let stays = |which: Option<Stays>| match which {
+        Some(Stays::Above) => "not: it stays up".to_owned(),
+        Some(Stays::Below) => "not: it stays down".to_owned(),
+        None => "not".to_owned(),
+    };
+    let sun = |instant: Option<Instant>| instant.map_or_else(|| stays(night.sun.stays), Instant::to_rfc3339);
+    let moon = |instants: &[Instant]| match instants {
+        [] => stays(night.moon.stays),
         some => some.iter().map(|instant| instant.to_rfc3339()).collect::<Vec<_>>().join(", "),
     };
     let twilight = |twilight: &Twilight| {
@@ -103,8 +112,8 @@ fn rows(night: &FoundNight) -> Vec<Vec<String>> {
         row(&name, format!("ends {end}, begins {begin}"))
     };
     let mut rows = vec![
-        row("Sun sets", time(night.sun.set_utc)),
-        row("Sun rises", time(night.sun.rise_utc)),
+        row("Sun sets", sun(night.sun.set_utc)),
+        row("Sun rises", sun(night.sun.rise_utc)),
         row(
             "Sun lowest",
             format!("{}, {:.1} degrees", night.sun.lowest_utc.to_rfc3339(), night.sun.lowest_altitude_deg),
@@ -112,8 +121,8 @@ fn rows(night: &FoundNight) -> Vec<Vec<String>> {
     ];
     rows.extend(night.twilights.iter().map(twilight));
     rows.extend([
-        row("Moon rises", all(&night.moon.rises_utc)),
-        row("Moon sets", all(&night.moon.sets_utc)),
+        row("Moon rises", moon(&night.moon.rises_utc)),
+        row("Moon sets", moon(&night.moon.sets_utc)),
         row("Moon", format!("{:.0} % lit", 100.0 * night.moon.illuminated_fraction)),
         row("dark", format!("{:.2} h", night.dark_hours)),
     ]);

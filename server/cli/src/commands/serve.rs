@@ -59,8 +59,9 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     more_files();
     // The port comes first: a taken one shows at once.
     let address = settings.listen;
-    let listener =
-        TcpListener::bind(address).await.map_err(|error| Failure::Work(format!("{address}: {error}")))?;
+    let listener = TcpListener::bind(address)
+        .await
+        .map_err(|error| Failure::Work(format!("{address}: {error} (--listen HOST:PORT takes another)")))?;
     let access = settings.access()?;
     let is_shared = settings.store.is_some();
     let valkey = settings.valkey()?;
@@ -78,7 +79,13 @@ async fn run(settings: Settings) -> Result<(), Failure> {
     let address = listener.local_addr().map_err(Failure::work)?;
     let facts = source.facts();
     for kind in &facts.kinds {
-        tracing::info!("packs with {} scattering, turbidity {}", kind.scattering.name(), kind.turbidities());
+        let clouds =
+            kind.cloud_base_m().map_or_else(String::new, |base_m| format!(" under clouds at {base_m} m"));
+        tracing::info!(
+            "packs with {} scattering{clouds}, turbidity {}",
+            kind.scattering.name(),
+            kind.turbidities()
+        );
     }
     tracing::info!(executor = facts.executor, adapter = facts.adapter, "serving http://{address}");
     let (end, ended) = tokio::sync::oneshot::channel::<()>();
@@ -161,15 +168,17 @@ fn start(
     if cleared > 0 {
         tracing::info!("{cleared} folder(s) of ingests that were killed are cleared");
     }
-    if !settings.no_demo {
-        program::make_demo_if_missing(&settings.data)?;
-    }
+    // What fails at once comes before what takes long.
+    std::fs::create_dir_all(&settings.data).map_err(|error| Failure::file(&settings.data, error))?;
     if settings.operator_token_file.is_some() {
         check_sandbox(settings.upload_sandbox_required)?;
     }
     let most_bytes = MemoryShares::most_for_packs();
     let loaded = LoadedEngine::start(&settings.packs, settings.device.into(), Some(most_bytes))
         .map_err(Failure::work)?;
+    if !settings.no_demo {
+        program::make_demo_if_missing(&settings.data)?;
+    }
     let packs_bytes = loaded.main_memory_bytes();
     let shares = MemoryShares::of_machine(packs_bytes, settings.brightness_map_bytes(), &settings.http);
     let shares = shares.map_err(Failure::work)?;

@@ -2,7 +2,7 @@
 //! populations as text. What cannot be read is counted and said; it does not cost the rest.
 
 use crate::error::SceneError;
-use crate::metadata::NamedPlace;
+use crate::metadata::{NamedPlace, is_within};
 use serde_json::Value;
 use std::path::Path;
 
@@ -90,6 +90,36 @@ pub(super) fn read(path: &Path) -> Result<Places, SceneError> {
         warnings.push(format!("{bad_populations} populations are no numbers and are not known"));
     }
     Ok(Places { places, warnings })
+}
+
+/// What is to be said of places that lie outside the raster's bounds.
+///
+/// # Errors
+/// If all do, and would lie within them with latitude and longitude exchanged.
+pub(super) fn check_inside(places: &[NamedPlace], bounds: [f64; 4]) -> Result<Option<String>, String> {
+    let is_inside = |place: &&NamedPlace| is_within(bounds, place.latitude_deg, place.longitude_deg);
+    let is_exchanged =
+        |place: &&NamedPlace| !is_inside(place) && is_within(bounds, place.longitude_deg, place.latitude_deg);
+    let inside = places.iter().filter(is_inside).count();
+    let exchanged: Vec<&NamedPlace> = places.iter().filter(is_exchanged).collect();
+    let names =
+        exchanged.iter().take(MAX_NAMED).map(|place| place.name.as_str()).collect::<Vec<_>>().join(", ");
+    if !exchanged.is_empty() && inside == 0 {
+        return Err(format!(
+            "no place of it lies in the raster, but with latitude and longitude exchanged {} of {} do ({names}): name its columns \
+             the other way round",
+            exchanged.len(),
+            places.len()
+        ));
+    }
+    if !exchanged.is_empty() {
+        let count = exchanged.len();
+        return Ok(Some(format!(
+            "{count} of {} places lie outside the raster, and within it with latitude and longitude exchanged: {names}",
+            places.len()
+        )));
+    }
+    Ok((inside == 0).then(|| format!("none of the {} places lies in the raster", places.len())))
 }
 
 /// The text of a file: UTF-8 or UTF-16 with or without a byte order mark, else Latin-1.
@@ -337,6 +367,27 @@ mod tests {
         assert_eq!((reading.places.len(), reading.skipped.len()), (1, 2), "{reading:?}");
         assert!(from_table("hello").unwrap_err().contains("name, latitude, longitude"));
         assert!(from_geojson("{}").is_err());
+    }
+
+    /// Latitude and longitude exchanged are found out by the raster's bounds.
+    #[test]
+    fn exchanged_axes_are_found_out() {
+        let place = |name: &str, latitude_deg: f64, longitude_deg: f64| NamedPlace {
+            name: name.to_owned(),
+            latitude_deg,
+            longitude_deg,
+            population: None,
+        };
+        let kenya = [33.9, -4.7, 41.9, 5.0];
+        let (nairobi, exchanged) = (place("Nairobi", -1.29, 36.82), place("Voi", 38.56, -3.4));
+        assert_eq!(check_inside(&[nairobi.clone()], kenya), Ok(None));
+        let refused = check_inside(&[exchanged.clone()], kenya).unwrap_err();
+        assert!(refused.contains("exchanged") && refused.contains("Voi"), "{refused}");
+        let said = check_inside(&[nairobi, exchanged], kenya).unwrap().unwrap();
+        assert!(said.starts_with("1 of 2") && said.contains("Voi"), "{said}");
+        assert!(
+            check_inside(&[place("Oslo", 59.9, 10.7)], kenya).unwrap().unwrap().contains("none of the 1")
+        );
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(super) fn read(
         scan.statistics.found_fill(code);
     }
     let Scan { mask, mut pixels, negatives, statistics } = scan;
-    statistics.check(mosaic, options).map_err(refuse)?;
+    statistics.check(mosaic, &grid, options).map_err(refuse)?;
     pixels.sort();
     let lit_before = statistics.lit_sum();
     let noise = negatives.are_noise(statistics.measured()).then(|| {

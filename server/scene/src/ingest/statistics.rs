@@ -21,6 +21,12 @@ const OFF_WORLD_SHARE: u64 = 100;
 const MIN_LIT_MEAN_NW_CM2_SR: f64 = 1e-3;
 /// And of few below this.
 const LOW_LIT_MEAN_NW_CM2_SR: f64 = 0.05;
+/// No region of [`MIN_REGION_M2`] lit ground has a mean above this, nW cm⁻² sr⁻¹: the brightest cities have 60 to 80.
+const MAX_REGION_MEAN_NW_CM2_SR: f64 = 200.0;
+/// Lit ground that tells a unit, m².
+const MIN_REGION_M2: f64 = 2e9;
+/// One value in so many may be negative where values are counts or elevations.
+const NEGATIVE_SHARE: u64 = 20;
 /// One negative value on so many pixels, and this part of all, is a code and no measurement.
 const MIN_REPEATED: u64 = 100;
 const MIN_REPEATED_SHARE: f64 = 0.005;
@@ -157,7 +163,7 @@ impl PixelStatistics {
     }
 
     /// Refuses rasters that cannot be meant.
-    pub(super) fn check(&self, mosaic: &Mosaic, options: &IngestOptions) -> Result<(), String> {
+    pub(super) fn check(&self, mosaic: &Mosaic, grid: &Grid, options: &IngestOptions) -> Result<(), String> {
         if self.minimum > self.maximum {
             return Err("it holds no measurement: every pixel is no-data, NaN or infinite".to_owned());
         }
@@ -180,14 +186,23 @@ impl PixelStatistics {
                 self.maximum
             ));
         }
-        self.check_unit(mosaic, options)?;
-        self.check_counts(mosaic)
+        self.check_counts(mosaic)?;
+        self.check_unit(mosaic, grid, options)
     }
 
     /// The mean of the lit is what tells a unit: a bright town changes it little.
-    fn check_unit(&self, mosaic: &Mosaic, options: &IngestOptions) -> Result<(), String> {
+    fn check_unit(&self, mosaic: &Mosaic, grid: &Grid, options: &IngestOptions) -> Result<(), String> {
         let mean = self.sum / self.lit.count as f64;
         let is_told = options.units == Some(RadianceUnit::NanowattPerSquareCentimetreSteradian);
+        let lit_m2 = self.lit.count as f64 * grid.pixel_size_m().powi(2);
+        if mean > MAX_REGION_MEAN_NW_CM2_SR && lit_m2 > MIN_REGION_M2 && !is_told {
+            return Err(format!(
+                "the mean of its lit pixels is {mean:.0} nW cm-2 sr-1 over {:.0} km2, and no region on Earth is so bright: it may be \
+                 terrain (--terrain), or its unit or scale is another one (--units, --scale); if it is right, say --units {}",
+                lit_m2 / 1e6,
+                RadianceUnit::NanowattPerSquareCentimetreSteradian.name()
+            ));
+        }
         if mean >= MIN_LIT_MEAN_NW_CM2_SR || is_told {
             return Ok(());
         }
@@ -209,16 +224,21 @@ impl PixelStatistics {
 
     /// Radiances are no whole numbers: where all are, and above 255, they are counts whose scale is lost.
     fn check_counts(&self, mosaic: &Mosaic) -> Result<(), String> {
-        let is_plain = mosaic.sources().all(|source| !source.is_scaled);
-        if self.all_whole && is_plain && self.lit.count > 100 && self.maximum > 255.0 && self.minimum >= 0.0 {
+        if self.are_whole_and_plain(mosaic) && self.lit.count > 100 && self.maximum > 255.0 {
             return Err(format!(
-                "all its {} values are whole numbers up to {}, so they seem to be counts: NASA Black Marble stores tenths (--scale 0.1); if they are nW \
+                "all its {} values are whole numbers up to {}, so they seem to be counts, or elevations (--terrain): NASA Black Marble stores tenths (--scale 0.1); if they are nW \
                  cm-2 sr-1 as they are, say --scale 1",
                 self.measured(),
                 self.maximum
             ));
         }
         Ok(())
+    }
+
+    /// Whether values are whole numbers without a scale, and hardly any is negative.
+    fn are_whole_and_plain(&self, mosaic: &Mosaic) -> bool {
+        let is_plain = mosaic.sources().all(|source| !source.is_scaled);
+        self.all_whole && is_plain && self.negative.count * NEGATIVE_SHARE <= self.measured()
     }
 
     /// What is said of the rasters.
@@ -291,8 +311,7 @@ impl PixelStatistics {
                 self.maximum
             ));
         }
-        let is_plain = mosaic.sources().all(|source| !source.is_scaled);
-        if self.all_whole && is_plain && self.minimum >= 0.0 && self.measured() > 100 {
+        if self.are_whole_and_plain(mosaic) && self.measured() > 100 {
             warnings.push(if self.maximum <= 255.0 {
                 "all values are whole numbers from 0 to 255, as in a picture: they may not be radiances"
                     .to_owned()

@@ -23,6 +23,8 @@ const PLAUSIBLE_M: std::ops::RangeInclusive<f64> = -12_000.0..=9_000.0;
 const VOIDS: [f64; 5] = [-32_767.0, -32_768.0, -9_999.0, -99_999.0, 32_767.0];
 /// With more of its samples higher than any peak the unit of a raster is not the one that it was taken to have.
 const MAX_IMPLAUSIBLE_SHARE: f64 = 1e-3;
+/// Lit pixels without terrain, one in so many, are worth a warning.
+const MISSING_SHARE: u64 = 100;
 /// Stored numbers beyond this fill gaps.
 const MAX_STORED: f64 = 1e9;
 /// Values read at once.
@@ -217,7 +219,7 @@ pub(super) fn set_altitudes(
     report.nearest = nearest.finish(&light.grid);
     report.missing = missing.finish(&light.grid);
     let lit = total.max(1) as u64;
-    if report.missing.count * 2 > lit {
+    if report.missing.count * MISSING_SHARE > lit {
         light.report.warnings.push(format!(
             "{} of {lit} lit pixels have no terrain within 5 km and are taken at sea level",
             report.missing.count
