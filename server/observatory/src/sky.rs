@@ -88,7 +88,7 @@ pub struct RenderContext {
     pub coverage: f64,
     /// The scene's calibration factor.
     pub calibration: f64,
-    /// Vertical optical depth above the observer in R, G, B.
+    /// Vertical optical depth above the observer at the nodes: 680, 590, 510 and 440 nm.
     pub local_optical_depth: [f64; BAND_COUNT],
     /// Upward flux within 300 km, DNB watts, calibration included.
     pub flux_dnb_w: f64,

@@ -114,7 +114,7 @@ impl Lamp {
     /// # Errors
     /// [`PhysicsError`] naming `lamp` for light that the satellite does not see, from which no flux follows.
     pub fn from_spectrum(spectrum: &Spectrum) -> Result<Self, PhysicsError> {
-        let watt = spectrum.per_dnb_watt(0.0).ok_or_else(|| {
+        let watt = spectrum.per_dnb_watt().ok_or_else(|| {
             invalid("the satellite, which sees 480 to 900 nm, sees nothing of this spectrum")
         })?;
         let kind = LampKind::Spectrum(spectrum.0.to_vec());

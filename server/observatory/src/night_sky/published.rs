@@ -45,7 +45,8 @@ fn turbidity_of(k_mag: f64, altitude_m: f64) -> Turbidity {
 }
 
 /// Moonlight along the vertical of a Moon of phase angle 30° at 60° from the zenith, where V loses 0.172 mag: within 25 % of the
-/// empirical law of Krisciunas and Schaefer (1991), table 2, which is good to 8 to 23 %.
+/// empirical law of Krisciunas and Schaefer (1991), table 2, which is good to 8 to 23 %, at 400 and 1 000 m. At the 2 800 m that they
+/// measured at so much needs T = 7.8, beyond the tables, and 5° from the Moon all of that haze is 56 % too bright (`docs/accuracy.md`).
 #[test]
 fn moonlight_is_that_of_krisciunas_schaefer() {
     let nanolamberts = |v: f64| 34.08 * (20.7233 - 0.92104 * v).exp();
@@ -208,7 +209,7 @@ fn bands_of_altitude_are_those_of_gambons() {
     let found = bands(all.seen());
     println!("{low:.0} sfu: {found:.3?}, published {published:?}");
     for (found, published) in found.iter().zip(published) {
-        assert!((found - published).abs() < 0.15, "{found} {published}");
+        assert!((found - published).abs() < 0.1, "{found} {published}");
     }
     let others =
         all.components().iter().zip(all.parts()).filter(|(of, _)| of.component != Component::Airglow);

@@ -176,8 +176,8 @@ fn stars_are_seen_by_the_limit_where_they_are() {
     assert!((0.05..3.0).contains(&contrast) && contrast > by_moonlight, "{contrast} {by_moonlight}");
 }
 
-/// Every minute of a night at the pole, on the equator, in polar day and under a Sun in the zenith: nothing is negative, and the
-/// logarithm of no direction's luminance bends by more than a tenth from minute to minute; in twilight it changes by a third.
+/// Every minute of a night at the pole, on the equator, in polar day and under a Sun in the zenith, every direction and response: nothing
+/// is negative or dark, and no logarithm bends by more than 0.05 from minute to minute; in twilight it changes by a third.
 #[test]
 #[ignore = "slow: `make check` leaves it to `make test`"]
 fn no_minute_of_a_day_jumps() {
@@ -199,22 +199,18 @@ fn no_minute_of_a_day_jumps() {
             gaps: None,
         };
         let from = Instant::parse(from_utc).unwrap();
-        let logs: Vec<Vec<f64>> = (0..minutes)
+        let logs: Vec<Vec<f32>> = (0..minutes)
             .into_par_iter()
             .map(|minute| {
                 let time = SkyTime { instant: from.plus_s(60.0 * f64::from(minute)), solar_flux_sfu: 100.0 };
                 let sky = NightSky::new(&tables, &over, time, &SKY_RESPONSES).unwrap();
-                let planes: Vec<&[f32]> =
-                    (0..SKY_RESPONSES.len()).map(|place| sky.seen().plane(place)).collect();
-                assert!(
-                    planes.iter().all(|plane| plane.iter().all(|value| *value >= 0.0 && value.is_finite()))
-                );
-                let rows = [0, 10, 31, 63].into_iter();
-                let at = rows.flat_map(|row| [0, 70, 140, 210].map(|column| row * AZIMUTH_COUNT + column));
-                at.map(|at| f64::from(planes[1][at]).ln()).collect()
+                let all = (0..SKY_RESPONSES.len()).flat_map(|place| sky.seen().plane(place));
+                let logs: Vec<f32> = all.map(|value| value.ln()).collect();
+                assert!(logs.iter().all(|log| log.is_finite()), "{place:?}, minute {minute}");
+                logs
             })
             .collect();
-        let (mut worst, mut step) = ((0.0, 0), 0.0f64);
+        let (mut worst, mut step) = ((0.0, 0), 0.0f32);
         for (minute, three) in logs.windows(3).enumerate() {
             for ((before, now), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
                 let bend = (after - 2.0 * now + before).abs();
@@ -226,6 +222,6 @@ fn no_minute_of_a_day_jumps() {
             "{place:?}: bends by {:.4} in minute {}, changes by {step:.3} a minute at most",
             worst.0, worst.1
         );
-        assert!(worst.0 < 0.1, "{place:?}: {:.3} in minute {}", worst.0, worst.1);
+        assert!(worst.0 < 0.05, "{place:?}: {:.3} in minute {}", worst.0, worst.1);
     }
 }

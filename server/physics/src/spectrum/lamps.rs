@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Colour, Response, STEP_NM, Spectrum, lamp_tables as tables, response::PHOTOPIC_LM_W, wavelength_nm,
+    Colour, Response, STEP_NM, Spectrum, lamp_tables as tables,
+    response::{PHOTOPIC_LM_W, planck},
 };
 
-/// A lamp that has a name, whose spectrum is known from 380 to 780 nm.
+/// A lamp that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LampPreset {
@@ -124,33 +125,40 @@ impl LampPreset {
         Self::ALL.into_iter().find(|lamp| lamp.name() == name)
     }
 
-    /// What it radiates beyond the 780 nm where tables end, of what the satellite sees: what makes its lumens per DNB watt those of
-    /// measured lamps. Sodium's line at 819 nm is a sixth of what the satellite sees of a high-pressure sodium lamp.
-    const fn share_beyond_780_nm(self) -> f64 {
+    /// What it radiates beyond the 780 nm where tables end: its share of what the satellite sees, which makes lumens per DNB watt those
+    /// of measured lamps, and its shape. Sodium has a pair of lines there; of mercury nothing finer is known, so it is even.
+    fn beyond_780_nm(self) -> Option<(f64, Spectrum)> {
         match self {
-            LampPreset::Hps | LampPreset::HpsColourEnhanced => 0.164,
-            LampPreset::Mercury => 0.15,
-            _ => 0.0,
+            LampPreset::Hps | LampPreset::HpsColourEnhanced => Some((0.164, line(819.1))),
+            LampPreset::Mercury => {
+                Some((0.15, Spectrum::from_fn(|nm| f64::from(u8::from(nm > LAST_OF_TABLES_NM)))))
+            }
+            _ => None,
         }
     }
 
-    /// Power per nm of as much light as the satellite sees a watt of, what it sees beyond 780 nm included.
+    /// Power per nm of as much light as the satellite sees a watt of.
     pub fn spectrum(self) -> Spectrum {
-        let watt = |light: Spectrum, beyond: f64| light.per_dnb_watt(beyond).unwrap_or(light);
+        let watt = |light: Spectrum| light.per_dnb_watt().unwrap_or(light);
         match self {
             LampPreset::Neutral => Response::Band { from_nm: 400, to_nm: 700 }.curve().scaled(0.01),
             LampPreset::Mixed => LampPreset::Hps.spectrum().sum(&LampPreset::Led4000k.spectrum()).scaled(0.5),
-            lamp => watt(lamp.shape(), lamp.share_beyond_780_nm()),
+            lamp => {
+                let table = watt(lamp.shape());
+                lamp.beyond_780_nm().map_or(table.clone(), |(share, beyond)| {
+                    table.scaled(1.0 - share).sum(&watt(beyond).scaled(share))
+                })
+            }
         }
     }
 
-    /// Relative power per nm, for those that have a table.
+    /// Relative power per nm: a table, or a law.
     fn shape(self) -> Spectrum {
         Spectrum::from_samples(match self {
-            LampPreset::Incandescent => &tables::CIE_A,
+            LampPreset::Incandescent => return Spectrum::from_fn(|nm| planck(nm, CIE_A_K)),
             LampPreset::Hps => &tables::CIE_HP1,
             LampPreset::HpsColourEnhanced => &tables::CIE_HP2,
-            LampPreset::Lps => return sodium_doublet(),
+            LampPreset::Lps => return line(589.3),
             LampPreset::PcAmber => return amber_phosphor(),
             LampPreset::Led2700k => &tables::CIE_LED_B1,
             LampPreset::Led3000k => &tables::CIE_LED_B2,
@@ -179,12 +187,9 @@ impl LampPreset {
 
 impl Spectrum {
     /// This light scaled so that the satellite sees a watt of it: ∫ S·R_DNB dλ = 1. None for light that it does not see.
-    ///
-    /// Tables of lamps end at 780 nm. What a lamp radiates beyond is seen by the satellite and not by the eye: sodium's line at
-    /// 819 nm is a sixth of what it sees of a high-pressure sodium lamp. `beyond_780_nm` is that share, 0 to 0.9.
-    pub fn per_dnb_watt(&self, beyond_780_nm: f64) -> Option<Self> {
+    pub fn per_dnb_watt(&self) -> Option<Self> {
         let seen = self.integral_with(&Response::Dnb.curve());
-        (seen > 0.0).then(|| self.scaled((1.0 - beyond_780_nm.clamp(0.0, 0.9)) / seen))
+        (seen > 0.0).then(|| self.scaled(1.0 / seen))
     }
 
     /// Luminous flux of a spectral flux, lm.
@@ -207,22 +212,24 @@ impl Spectrum {
     }
 }
 
-/// The D doublet of sodium, 589.0 and 589.6 nm, between the samples at 585 and 590 nm: the same mean wavelength.
-fn sodium_doublet() -> Spectrum {
-    const MEAN_NM: f64 = 589.3;
-    Spectrum::from_fn(|nm| (1.0 - (nm - MEAN_NM).abs() / STEP_NM).max(0.0) / STEP_NM)
+/// Where tables of lamps end, nm.
+const LAST_OF_TABLES_NM: f64 = 780.0;
+/// Temperature of CIE A by today's second radiation constant (CIE 015 has 2 848 K with the constant of 1931), K.
+const CIE_A_K: f64 = 2_855.496;
+
+/// A line or a narrow pair between two samples, with that mean wavelength: sodium's D doublet at 589.0 and 589.6 nm, its pair at 818.3 and
+/// 819.5 nm, the longer one twice as strong.
+fn line(mean_nm: f64) -> Spectrum {
+    Spectrum::from_fn(|nm| (1.0 - (nm - mean_nm).abs() / STEP_NM).max(0.0) / STEP_NM)
 }
 
 /// A phosphor band of Gaussian shape whose lumens per DNB watt and scotopic ratio are those of measured amber LEDs (451 and 0.44).
 fn amber_phosphor() -> Spectrum {
     const PEAK_NM: f64 = 604.0;
     const SIGMA_NM: f64 = 33.0;
-    let last_nm = wavelength_nm(80);
-    Spectrum::from_fn(
-        |nm| {
-            if nm > last_nm { 0.0 } else { (-0.5 * ((nm - PEAK_NM) / SIGMA_NM).powi(2)).exp() }
-        },
-    )
+    Spectrum::from_fn(|nm| {
+        if nm > LAST_OF_TABLES_NM { 0.0 } else { (-0.5 * ((nm - PEAK_NM) / SIGMA_NM).powi(2)).exp() }
+    })
 }
 
 #[cfg(test)]
@@ -265,20 +272,31 @@ mod tests {
         }
     }
 
+    /// Of every lamp the satellite sees a watt, of which what lies beyond the eye's light is a part: of an incandescent lamp a third.
     #[test]
     fn a_dnb_watt_is_what_the_satellite_sees() {
         let dnb = Response::Dnb.curve();
         for lamp in LampPreset::ALL {
-            let watt = lamp.spectrum().per_dnb_watt(0.25).unwrap();
-            assert!((watt.integral_with(&dnb) - 0.75).abs() < 1e-12, "{}", lamp.name());
-            let seen = lamp.spectrum().integral_with(&dnb);
-            assert!(
-                lamp == LampPreset::Neutral || (seen > 0.8 && seen < 1.0 + 1e-12),
-                "{} {seen}",
-                lamp.name()
-            );
+            let light = lamp.spectrum();
+            let watt = light.per_dnb_watt().unwrap();
+            assert!((watt.integral_with(&dnb) - 1.0).abs() < 1e-12, "{}", lamp.name());
+            let seen = light.integral_with(&dnb);
+            assert!(lamp == LampPreset::Neutral || (seen - 1.0).abs() < 1e-12, "{} {seen}", lamp.name());
+            let beyond = light.integral_with(&Spectrum::from_fn(|nm| {
+                if nm > LAST_OF_TABLES_NM { dnb.0[((nm - 380.0) / STEP_NM) as usize] } else { 0.0 }
+            }));
+            let share = match lamp {
+                LampPreset::Incandescent => 0.332,
+                LampPreset::Hps | LampPreset::HpsColourEnhanced => 0.164,
+                LampPreset::Mercury => 0.15,
+                LampPreset::Mixed => 0.082,
+                _ => 0.0,
+            };
+            assert!((beyond - share).abs() < 5e-4, "{} {beyond}", lamp.name());
         }
-        assert_eq!(Spectrum::from_fn(|nm| f64::from(u8::from(nm < 470.0))).per_dnb_watt(0.0), None);
+        // CIE A, cut at 780 nm, would have 183.
+        assert!((LampPreset::Incandescent.spectrum().lumens() - 122.0).abs() < 0.1);
+        assert_eq!(Spectrum::from_fn(|nm| f64::from(u8::from(nm < 470.0))).per_dnb_watt(), None);
     }
 
     #[test]

@@ -168,7 +168,9 @@ mod tests {
 
     /// Every lamp as every response sees it, behind skies whose optical depth and scattering follow the laws of clean air and
     /// haze, against the 5 nm integral of the sky itself, which no polynomial knows: with four nodes within 0.5 %, and within 1.2 %
-    /// for responses to light beyond the first and the last node; with three within four times as much.
+    /// for responses to light beyond the first and the last node; with three within four times as much. Of lamps with light beyond
+    /// 780 nm such responses are within 2.5 %, of an incandescent lamp, a third of which lies there, within 5 %: the polynomial goes on
+    /// from 680 nm to 900.
     #[test]
     fn rules_are_near_the_full_integral() {
         let mut missed = Vec::new();
@@ -195,7 +197,13 @@ mod tests {
                         Response::Photopic | Response::Scotopic | Response::JohnsonV | Response::Melanopic
                     );
                     let few = if NODE_COUNT < 4 { 4.2 } else { 1.0 };
-                    let limit = few * if reaches_far { 1.2e-2 } else { 5e-3 };
+                    let limit = few
+                        * match lamp {
+                            _ if !reaches_far => 5e-3,
+                            LampPreset::Incandescent => 5e-2,
+                            LampPreset::Hps | LampPreset::HpsColourEnhanced | LampPreset::Mercury => 2.5e-2,
+                            _ => 1.2e-2,
+                        };
                     if error.abs() > limit {
                         missed.push(format!("{} {}: {error:.5}", lamp.name(), response.name()));
                     }
