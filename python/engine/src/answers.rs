@@ -133,7 +133,7 @@ impl Answers {
             "" | "places" => self.scene(name, asked),
             "site" => self.site(asked),
             "sky" => {
-                let (request, _) = request::sky(asked.query, asked.id.clone(), self.source.facts())?;
+                let request = request::sky(asked.query, asked.id.clone(), self.source.facts())?;
                 let (assumptions, sky) = self.rendered(request)?;
                 json(&SkyAnswer::new(assumptions, &sky))
             }

@@ -80,6 +80,8 @@ pub struct SourceFacts {
     pub altitude_range_m: (f64, f64),
     /// Smallest and largest turbidity of the resident celestial tables, which the natural sky of a time needs; None without any.
     pub celestial_turbidity_range: Option<(f64, f64)>,
+    /// Altitude of an observer, m, above which the natural sky is that of this altitude: the highest of those tables; None without any.
+    pub celestial_highest_m: Option<f64>,
     /// Checksums of all resident packs and celestial tables, one after another; part of every ETag.
     pub pack_checksums: String,
 }

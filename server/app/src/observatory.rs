@@ -44,6 +44,7 @@ impl ObservatorySource {
             any_cloud_albedo: None,
             altitude_range_m: (info.altitude_range_m[0], info.altitude_range_m[1]),
             celestial_turbidity_range: celestial.map(CelestialTables::turbidity_range),
+            celestial_highest_m: celestial.map(|tables| tables.altitude_range_m().1),
             pack_checksums: observatory
                 .engine()
                 .tables()

@@ -1,5 +1,6 @@
 //! The query parameters: one table that both the parser and the OpenAPI document read.
 
+use skyglow_celestial::time;
 use skyglow_physics::Turbidity;
 use utoipa::openapi::{
     Required, Type,
@@ -185,17 +186,17 @@ parameters! {
     SKY = "sky", Kind::Choice(&["artificial", "total"]), "", false;
     /// When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`.
     TIME = "time", Kind::Text {
-        allowed: "a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00",
+        allowed: time::TIMES,
         pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}[Tt ][0-9]{2}:[0-9]{2}:[0-9]{2}([.][0-9]{1,9})?([Zz]|[+ -][0-9]{2}:[0-9]{2})$",
     }, "", false;
     /// The evening of a night, as the calendar there has it.
     DATE = "date", Kind::Text {
-        allowed: "a date from 1900-01-03 to 2100-12-30, such as 2026-08-20",
+        allowed: time::DATES,
         pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}$",
     }, "", true;
     /// The month of the evenings.
     MONTH = "month", Kind::Text {
-        allowed: "a month from 1900-02 to 2100-11, such as 2026-08",
+        allowed: time::MONTHS,
         pattern: "^[0-9]{4}-[0-9]{2}$",
     }, "", true;
     /// Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone.
@@ -360,7 +361,7 @@ parameter_sets! {
     /// Those of a sky.
     SkyParameters = [
         LAT, LON, HEIGHT, ALTITUDE, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, BASIS, CLOUDS, CLOUD_COVER, CLOUD_PATTERN, TERRAIN, TOLERANCE,
-        SKY, TIME, SOLAR_FLUX, SCENARIO,
+        TIME, SOLAR_FLUX, SCENARIO,
     ];
     /// Those that many skies have in common; each place may have its own of all but the scenario.
     SkiesParameters = [

@@ -81,7 +81,7 @@ quantities! {
     brightest_elevation_deg, "Elevation of the largest luminance", DEGREE,
         "Above the horizontal plane", |sky| Some(sky.brightest_elevation_deg);
     bortle_class, "Bortle class", RATIO,
-        "1 (darkest) to 9, by how much brighter than the dark reference the zenith is", |sky| sky.bortle_class.map(f64::from);
+        "1 (darkest) to 9, by how much brighter artificial light makes the zenith than the dark reference, whatever the time", |sky| sky.bortle_class.map(f64::from);
     naked_eye_limit_mag, "Naked-eye limiting magnitude", MAGNITUDE,
         "The faintest star at the zenith that an eye sees (Crumey 2014, F = 2)", |sky| sky.naked_eye_limit_mag;
     zenith_scotopic_luminance_cd_m2, "Artificial scotopic luminance at the zenith", LUMINANCE,

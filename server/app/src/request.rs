@@ -129,12 +129,27 @@ pub fn change_id(text: &str) -> Result<ChangeId, AppError> {
     ChangeId::parse(text).map_err(|_| AppError::UnknownScenario { id: crate::validation::echo(text) })
 }
 
-/// Reads the parameters of a sky and which light is shown.
+/// Reads the parameters of a sky.
 ///
 /// # Errors
 /// [`AppError::Parameters`] with every mistake.
-pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<(SkyRequest, Sky), AppError> {
+pub fn sky(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> Result<SkyRequest, AppError> {
     let mut reader = Reader::new(query, p::SkyParameters::ALL);
+    let sky = read_sky(&mut reader, scene, facts);
+    reader.finish()?;
+    sky.ok_or_else(|| AppError::internal("a sky was neither read nor refused"))
+}
+
+/// Reads the parameters of a sky that is summed over every light, and which light is shown.
+///
+/// # Errors
+/// [`AppError::Parameters`] with every mistake.
+pub fn reference(
+    query: Option<&str>,
+    scene: SceneId,
+    facts: &SourceFacts,
+) -> Result<(SkyRequest, Sky), AppError> {
+    let mut reader = Reader::new(query, p::ReferenceParameters::ALL);
     let sky = read_sky(&mut reader, scene, facts);
     let light = read_light(&mut reader);
     reader.finish()?;

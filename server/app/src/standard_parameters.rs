@@ -52,7 +52,7 @@ parameters! {
     MAP_FORMAT = "f", Kind::Choice(&["png"]), "png", false;
     /// When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`.
     DATETIME = "datetime", Kind::Text {
-        allowed: "an instant of 1900 to 2100 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval",
+        allowed: skyglow_celestial::time::INSTANTS,
         pattern: "^[0-9]{4}-[0-9]{2}-[0-9]{2}[Tt ][0-9]{2}:[0-9]{2}:[0-9]{2}([.][0-9]{1,9})?([Zz]|[+ -][0-9]{2}:[0-9]{2})$",
     }, "", false;
     /// The part of the world that the map shows; the default is the scene. West may be beyond east, across the antimeridian.

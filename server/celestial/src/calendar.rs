@@ -66,7 +66,7 @@ impl Calendar {
             month: month.trim().to_owned(),
             site,
             moon_phases,
-            dark_hours: nights.iter().map(|night| night.dark_hours).sum(),
+            dark_hours: nights.iter().fold(0.0, |sum, night| sum + night.dark_hours),
             darkest: order.into_iter().map(|night| night.date).collect(),
             nights,
         })
@@ -80,7 +80,7 @@ impl CalendarNight {
         Self {
             date,
             dark_hours: night.dark_hours,
-            astronomical_night_hours: night.astronomical_night.iter().map(|interval| interval.hours).sum(),
+            astronomical_night_hours: Interval::hours_of(&night.astronomical_night),
             dark_intervals: night.dark_intervals,
             moon_illuminated_fraction: night.moon.illuminated_fraction,
             moon_phase: night.moon.phase,
@@ -109,7 +109,11 @@ mod tests {
             calendar.nights.iter().all(|night| night.dark_hours <= night.astronomical_night_hours + 1e-9)
         );
         let far_north = Calendar::of(Site::new(62.0, 25.0, 0.0).unwrap(), "2026-06").unwrap();
-        assert_eq!(far_north.dark_hours, 0.0);
+        // Nothing is 0, not the −0 that a sum of nothing is.
+        let zero = |hours: f64| hours.to_bits() == 0;
+        assert!(zero(far_north.dark_hours), "{}", far_north.dark_hours);
+        let hours = |night: &CalendarNight| [night.dark_hours, night.astronomical_night_hours];
+        assert!(far_north.nights.iter().flat_map(hours).all(zero));
         assert!(matches!(Calendar::of(site, "2026-8"), Err(CelestialError::NoMonth(_))));
         assert!(Calendar::of(site, "1899-12").is_err());
     }

@@ -137,6 +137,11 @@ impl Interval {
     fn new(from_utc: Instant, until_utc: Instant) -> Self {
         Self { from_utc, until_utc, hours: from_utc.hours_until(until_utc) }
     }
+
+    /// Length of all together, hours; 0 of none.
+    pub(crate) fn hours_of(intervals: &[Self]) -> f64 {
+        intervals.iter().fold(0.0, |sum, interval| sum + interval.hours)
+    }
 }
 
 /// A night: from noon to noon in local mean solar time.
@@ -206,7 +211,7 @@ impl Night {
             sun: sun_events,
             twilights: twilights.to_vec(),
             astronomical_night: intervals(from, until, &[&sun_crossings], is_night),
-            dark_hours: dark_intervals.iter().map(|interval| interval.hours).sum(),
+            dark_hours: Interval::hours_of(&dark_intervals),
             dark_intervals,
         }
     }

@@ -4,8 +4,37 @@ use crate::error::CelestialError;
 use serde::{Serialize, Serializer};
 use time::{Date, Duration, Month, OffsetDateTime, UtcOffset, format_description::well_known::Rfc3339};
 
-/// First and last year that positions hold for: a hundred Julian years around J2000 (`epv00`).
-pub const YEARS: std::ops::RangeInclusive<i32> = 1900..=2099;
+/// The years, and in words what they allow: nights run into the next day, and start in the one before.
+macro_rules! years {
+    ($first:literal to $last:literal) => {
+        /// First and last year that positions hold for: a hundred Julian years around J2000 (`epv00`).
+        pub const YEARS: std::ops::RangeInclusive<i32> = $first..=$last;
+        /// What [`Instant::parse`] takes.
+        pub const TIMES: &str = concat!(
+            "a time from ",
+            $first,
+            "-01-01 to ",
+            $last,
+            "-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as \
+             2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00"
+        );
+        /// The same where an interval could be meant.
+        pub const INSTANTS: &str = concat!(
+            "an instant from ",
+            $first,
+            "-01-01 to ",
+            $last,
+            "-12-31 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval"
+        );
+        /// What [`CalendarDate::parse`] takes.
+        pub const DATES: &str =
+            concat!("a date from ", $first, "-01-03 to ", $last, "-12-28, such as 2026-08-20");
+        /// What [`CalendarDate::month`] takes.
+        pub const MONTHS: &str = concat!("a month from ", $first, "-02 to ", $last, "-11, such as 2026-08");
+    };
+}
+years!(1900 to 2099);
+
 /// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
 /// Julian date of the beginning of 1970, days.
@@ -233,6 +262,26 @@ mod tests {
         for unix_s in [f64::NAN, f64::INFINITY, -1e300] {
             assert!(Instant::from_unix_s(unix_s).is_err());
         }
+    }
+
+    /// The ends that are named are taken, and what lies beyond them is not.
+    #[test]
+    fn named_ends_are_taken() {
+        let ends = |words: &str| -> [String; 2] {
+            let words: Vec<&str> = words.split([' ', ',']).collect();
+            ["from", "to"]
+                .map(|word| words[words.iter().position(|other| *other == word).unwrap() + 1].to_owned())
+        };
+        let is_time = |day: &str, time: &str| Instant::parse(&format!("{day}T{time}Z")).is_ok();
+        for words in [TIMES, INSTANTS] {
+            let [first, last] = ends(words);
+            assert!(is_time(&first, "00:00:00") && is_time(&last, "23:59:59"), "{words}");
+        }
+        assert!(!is_time("1899-12-31", "23:59:59") && !is_time("2100-01-01", "00:00:00"));
+        assert!(ends(DATES).iter().all(|date| CalendarDate::parse(date).is_ok()), "{DATES}");
+        assert!(["1900-01-02", "2099-12-29"].iter().all(|date| CalendarDate::parse(date).is_err()));
+        assert!(ends(MONTHS).iter().all(|month| CalendarDate::month(month).is_ok()), "{MONTHS}");
+        assert!(["1900-01", "2099-12"].iter().all(|month| CalendarDate::month(month).is_err()));
     }
 
     #[test]

@@ -93,6 +93,7 @@ fn widest_facts() -> SourceFacts {
         any_cloud_albedo: Some(CloudBase::DEFAULT_ALBEDO),
         altitude_range_m: (0.0, 100_000.0),
         celestial_turbidity_range: Some((Turbidity::MINIMUM, Turbidity::MAXIMUM)),
+        celestial_highest_m: None,
         pack_checksums: String::new(),
     }
 }

@@ -49,7 +49,8 @@ pub struct SkyQuantities {
     pub brightest_azimuth_deg: f64,
     /// Its elevation, degrees.
     pub brightest_elevation_deg: f64,
-    /// Bortle class, 1..=9, by how much brighter than the dark reference the total is at the zenith; null under clouds.
+    /// Bortle class, 1..=9, by how much brighter artificial light makes the zenith than the dark reference, whatever the time; null
+    /// under clouds.
     pub bortle_class: Option<u8>,
     /// Naked-eye limiting magnitude at the zenith (Crumey 2014, F = 2); null under clouds.
     pub naked_eye_limit_mag: Option<f64>,
@@ -121,9 +122,10 @@ impl SkyQuantities {
         if matches!(natural, NaturalSky::ThroughGaps(_)) {
             return quantities;
         }
-        let over_dark = quantities.zenith_total_luminance_cd_m2 / sky.dark.luminance_cd_m2();
+        // Of artificial light alone, for Moon and twilight pass: what they outshine is in the limiting magnitude.
+        let over_dark = 1.0 + quantities.zenith_luminance_cd_m2 / sky.dark.luminance_cd_m2();
         Self {
-            bortle_class: (over_dark > 0.0).then(|| bortle_class(2.5 * over_dark.log10())),
+            bortle_class: Some(bortle_class(2.5 * over_dark.log10())),
             naked_eye_limit_mag: Some(naked_eye_limit_mag(quantities.zenith_total_luminance_cd_m2)),
             ..quantities
         }
@@ -360,6 +362,17 @@ mod tests {
             assert!((total / value - 1.2).abs() < 1e-5, "{total} {value}");
         }
         assert!((found.ratio_to_natural - 5.0).abs() < 1e-5);
+        // The class is that of the place, under whatever Moon.
+        let moonlit = uniform(0.05);
+        let moonlit_seen = SeenSky::of(&moonlit, &responses);
+        let moonlight = NaturalLight { parts: &moonlit, seen: &moonlit_seen, points: &[], beams: &[] };
+        for (parts, class) in [(&parts[..], 5), (&[], 1)] {
+            let seen = &SeenSky::of(parts, &responses);
+            let numbers = SkyNumbers { parts, seen, ..numbers };
+            for natural in [NaturalSky::Dark, NaturalSky::OfInstant(moonlight)] {
+                assert_eq!(SkyQuantities::with(natural, numbers).bortle_class, Some(class));
+            }
+        }
         let brighter = artificial.sqm_total_brightness_mag_arcsec2.unwrap()
             - found.sqm_total_brightness_mag_arcsec2.unwrap();
         assert!((brighter - 2.5 * 1.2f64.log10()).abs() < 1e-5, "{brighter}");

@@ -29,6 +29,7 @@ fn facts() -> SourceFacts {
         any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),
         celestial_turbidity_range: Some((1.5, 6.0)),
+        celestial_highest_m: Some(4500.0),
         pack_checksums: "none".to_owned(),
     }
 }
@@ -72,7 +73,7 @@ pub fn parameters(bytes: &[u8]) {
     let text = String::from_utf8_lossy(text);
     let (query, facts) = (Some(&*text), facts());
     let checked = match which % 10 {
-        0 => request::sky(query, scene(), &facts).map(|(request, _)| check_sky(&request)),
+        0 => request::sky(query, scene(), &facts).map(|request| check_sky(&request)),
         1 => request::panorama(query, scene(), &facts, Format::Png).map(|(request, picture)| {
             check_sky(&request);
             let options = picture.options;

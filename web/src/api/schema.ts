@@ -1436,7 +1436,7 @@ export interface components {
             turbidity: number;
             /**
              * @description What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
-             *     have, skylines that the scene or the packs do not know, stars behind clouds.
+             *     have, skylines that the scene or the packs do not know, natural light above its tables, stars behind clouds.
              */
             warnings: string[];
         };
@@ -2907,7 +2907,8 @@ export interface components {
         QuantitiesAnswer: {
             /**
              * Format: int32
-             * @description Bortle class, 1..=9, by how much brighter than the dark reference the total is at the zenith; null under clouds.
+             * @description Bortle class, 1..=9, by how much brighter artificial light makes the zenith than the dark reference, whatever the time; null
+             *     under clouds.
              */
             bortle_class?: number | null;
             /**
@@ -4407,7 +4408,7 @@ export interface operations {
                 measure?: "zenith" | "mean" | "horizontal" | "slope" | "vertical_north" | "vertical_east" | "vertical_south" | "vertical_west" | "vertical_largest" | "cylindrical" | "spherical";
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -4537,7 +4538,7 @@ export interface operations {
                 coords: string;
                 /** @description Which numbers, by their names in the collection's `parameter_names`, with commas between; the default is all of them. Allowed: names in parameter_names of the collection, with commas between. */
                 "parameter-name"?: string;
-                /** @description When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`. Allowed: an instant of 1900 to 2100 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval. */
+                /** @description When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`. Allowed: an instant from 1900-01-01 to 2099-12-31 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval. */
                 datetime?: string;
                 /** @description The coordinate reference system of what is asked and answered: longitude and latitude of WGS 84, by one of its names. Allowed: http://www.opengis.net/def/crs/OGC/1.3/CRS84, https://www.opengis.net/def/crs/OGC/1.3/CRS84, OGC:CRS84, CRS84. */
                 crs?: "http://www.opengis.net/def/crs/OGC/1.3/CRS84" | "https://www.opengis.net/def/crs/OGC/1.3/CRS84" | "OGC:CRS84" | "CRS84";
@@ -4675,7 +4676,7 @@ export interface operations {
                 coords: string;
                 /** @description Which numbers, by their names in the collection's `parameter_names`, with commas between; the default is all of them. Allowed: names in parameter_names of the collection, with commas between. */
                 "parameter-name"?: string;
-                /** @description When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`. Allowed: an instant of 1900 to 2100 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval. */
+                /** @description When, for the natural sky of that time beside the artificial one: an instant. A plus in a URL is `%2B`. Allowed: an instant from 1900-01-01 to 2099-12-31 as RFC 3339 has it, such as 2026-08-20T23:16:00Z; no interval. */
                 datetime?: string;
                 /** @description The coordinate reference system of what is asked and answered: longitude and latitude of WGS 84, by one of its names. Allowed: http://www.opengis.net/def/crs/OGC/1.3/CRS84, https://www.opengis.net/def/crs/OGC/1.3/CRS84, OGC:CRS84, CRS84. */
                 crs?: "http://www.opengis.net/def/crs/OGC/1.3/CRS84" | "https://www.opengis.net/def/crs/OGC/1.3/CRS84" | "OGC:CRS84" | "CRS84";
@@ -5855,7 +5856,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2100-12-30, such as 2026-08-20. */
+                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2099-12-28, such as 2026-08-20. */
                 date: string;
             };
             header?: never;
@@ -5916,7 +5917,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description The month of the evenings. Allowed: a month from 1900-02 to 2100-11, such as 2026-08. */
+                /** @description The month of the evenings. Allowed: a month from 1900-02 to 2099-11, such as 2026-08. */
                 month: string;
             };
             header?: never;
@@ -8610,7 +8611,7 @@ export interface operations {
                 measure?: "zenith" | "mean" | "horizontal" | "slope" | "vertical_north" | "vertical_east" | "vertical_south" | "vertical_west" | "vertical_largest" | "cylindrical" | "spherical";
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -8975,7 +8976,7 @@ export interface operations {
                 lat: number;
                 /** @description Longitude of the place, WGS84. Allowed: -180 to 360 degrees. */
                 lon: number;
-                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2100-12-30, such as 2026-08-20. */
+                /** @description The evening of a night, as the calendar there has it. Allowed: a date from 1900-01-03 to 2099-12-28, such as 2026-08-20. */
                 date: string;
                 /** @description Height of the observer above the ground; the resident packs narrow the range. Allowed: 0 to 100000 m. Default: 2. */
                 height?: number;
@@ -9137,7 +9138,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -9346,7 +9347,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -9500,7 +9501,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -9642,7 +9643,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -9814,7 +9815,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -9956,7 +9957,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -10128,7 +10129,7 @@ export interface operations {
                 tolerance?: number;
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -12066,7 +12067,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -12204,7 +12205,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -12346,9 +12347,7 @@ export interface operations {
                 terrain?: "on" | "off";
                 /** @description Relative difference to the sky of all basis functions that fewer may make, in the norm over the open sky and the worst band. The fewest are used whose bound is within it, all of them where none is, and between the turbidities of the packs; `basis_error_bound` says the bound. Not together with `basis`. Allowed: 0.0001 to 0.5. */
                 tolerance?: number;
-                /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
-                sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -12496,7 +12495,7 @@ export interface operations {
                 measure?: "norm" | "zenith" | "mean" | "horizontal" | "region" | "slope" | "vertical_north" | "vertical_east" | "vertical_south" | "vertical_west" | "vertical_largest" | "cylindrical" | "spherical";
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;
@@ -12642,7 +12641,7 @@ export interface operations {
                 measure?: "norm" | "zenith" | "mean" | "horizontal" | "region" | "slope" | "vertical_north" | "vertical_east" | "vertical_south" | "vertical_west" | "vertical_largest" | "cylindrical" | "spherical";
                 /** @description Which light: artificial alone, or with the natural sky, that of `time` or else the dark reference. The default is `total` where a time is given, else `artificial`. Allowed: artificial, total. */
                 sky?: "artificial" | "total";
-                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time of 1900 to 2100 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
+                /** @description When, for the natural sky of that time in place of the dark reference: Sun with twilight, Moon, planets, stars, Milky Way, zodiacal light and airglow, in the same air. Seconds are whole; a plus in a URL is `%2B`. Allowed: a time from 1900-01-01 to 2099-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as 2026-08-20T23:16:00Z or 2026-08-21T01:16:00+02:00. */
                 time?: string;
                 /** @description Radio flux of the Sun at 10.7 cm, with which airglow gets brighter: 65 in a quiet year, 200 in an active one. With `time` alone. Allowed: 50 to 400 sfu. Default: 100. */
                 solar_flux?: number;

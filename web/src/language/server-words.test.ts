@@ -84,6 +84,10 @@ test("sentences take what is filled in", () => {
   assert.deepEqual(said("1.5 to 6"), own("1,5 bis 6"));
   assert.deepEqual(said("1.5 to 6 with multiple scattering"), own("1,5 bis 6 bei mehrfacher Streuung"));
   assert.deepEqual(said("1 to 100 km"), own("1 bis 100 km"));
+  assert.deepEqual(
+    said("a date from 1900-01-03 to 2099-12-28, such as 2026-08-20"),
+    own("ein Datum vom 3.1.1900 bis zum 28.12.2099, wie 2026-08-20"),
+  );
   assert.deepEqual(said('plan "p-1.5" is for the pixels of the scene as it was before it was ingested again').isEnglish, false);
 });
 

@@ -53,8 +53,13 @@ impl From<&Lamp> for LampAnswer {
     fn from(lamp: &Lamp) -> Self {
         let spectrum = lamp.light().spectrum();
         let colour = Colour::of(spectrum);
+        // A lamp may be named more than once.
         let shares = |shares: &Vec<(LampPreset, f64)>| {
-            shares.iter().map(|(lamp, share)| (lamp.name().to_owned(), *share)).collect()
+            let mut sums = BTreeMap::new();
+            shares
+                .iter()
+                .for_each(|(lamp, share)| *sums.entry(lamp.name().to_owned()).or_insert(0.0) += share);
+            sums
         };
         Self {
             preset: lamp.preset().map(|preset| preset.name().to_owned()),
@@ -188,7 +193,7 @@ pub struct Assumptions {
     /// What rendered: `gpu`, `lavapipe` or `cpu`.
     pub executor: String,
     /// What the numbers had to do without, one sentence each: light outside the raster, ground that the terrain does not
-    /// have, skylines that the scene or the packs do not know, stars behind clouds.
+    /// have, skylines that the scene or the packs do not know, natural light above its tables, stars behind clouds.
     pub warnings: Vec<String>,
 }
 
@@ -261,7 +266,8 @@ fn sky_warnings(
     };
     let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
     let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
-    let words = [coverage_warning(context.coverage), ground, skyline, cloud_warning(request)];
+    let high = high_warning(context.altitude_m, facts);
+    let words = [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request)];
     words.into_iter().flatten().chain(lamps).collect()
 }
 
@@ -294,6 +300,12 @@ fn below_ground_warning(altitude_m: f64, ground: Ground) -> Option<String> {
             "the observer is {depth_m:.0} m below the ground: the sky is what air there would show without it"
         )
     })
+}
+
+/// What is said of an eye above the tables of the natural sky.
+fn high_warning(altitude_m: f64, facts: &SourceFacts) -> Option<String> {
+    let highest_m = facts.celestial_highest_m.filter(|highest_m| altitude_m > *highest_m)?;
+    Some(format!("the natural sky is that of {highest_m:.0} m above the sea: its tables end there"))
 }
 
 /// What is said under clouds, where some numbers are not what their names lead one to think.

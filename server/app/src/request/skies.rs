@@ -57,7 +57,7 @@ impl SkyOfMany {
     /// # Errors
     /// [`AppError::Parameters`] with every mistake.
     pub fn read(&self, scene: SceneId, facts: &SourceFacts) -> Result<SkyRequest, AppError> {
-        sky(Some(&self.query), scene, facts).map(|(request, _)| request)
+        sky(Some(&self.query), scene, facts)
     }
 }
 
@@ -92,7 +92,7 @@ pub fn skies(
     // What is common is good or bad wherever and whenever it is.
     let has_time = body.times.is_some() || body.places.iter().any(|place| place.contains_key(p::TIME.name));
     let some_time = if has_time && !has_common_time { SOME_TIME } else { "" };
-    let common = sky(Some(&format!("lat=0&lon=0{some_time}&{query}")), scene, facts)?.0;
+    let common = sky(Some(&format!("lat=0&lon=0{some_time}&{query}")), scene, facts)?;
     let times: Vec<Option<&str>> = match &body.times {
         Some(times) => times.iter().map(|time| Some(time.as_str())).collect(),
         None => vec![None],

@@ -81,6 +81,7 @@ fn reason(error: PhysicsError) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::LampAnswer;
     use skyglow_physics::LampKind;
 
     #[test]
@@ -89,6 +90,12 @@ mod tests {
         assert_eq!(lamp_of("0.1,0.2,0.3"), Ok(Lamp::custom([0.1, 0.2, 0.3]).unwrap()));
         let mix = Lamp::mix(&[(LampPreset::Hps, 7.0), (LampPreset::Led4000k, 3.0)]).unwrap();
         assert_eq!(lamp_of("hps:0.7,led_4000k:0.3"), Ok(mix));
+        let twice = lamp_of("hps:0.3,led_4000k:0.4,hps:0.3").unwrap();
+        let said = LampAnswer::from(&twice).mix.unwrap();
+        assert_eq!(
+            said.into_iter().collect::<Vec<_>>(),
+            [("hps".to_owned(), 0.6), ("led_4000k".to_owned(), 0.4)]
+        );
         let own = lamp_of("400:0,500:1.5,600:0").unwrap();
         assert!(matches!(own.kind(), LampKind::Spectrum(samples) if samples[24] == 1.5));
         for (bad, said) in [

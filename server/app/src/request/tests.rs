@@ -19,6 +19,7 @@ pub(super) fn facts() -> SourceFacts {
         any_cloud_albedo: None,
         altitude_range_m: (0.0, 6000.0),
         celestial_turbidity_range: Some((1.5, 6.0)),
+        celestial_highest_m: Some(4500.0),
         pack_checksums: "x".into(),
     }
 }
@@ -302,6 +303,12 @@ fn what_a_format_does_not_use_is_refused() {
         assert_eq!(refused(parameter, Format::Json), Some(ValidationCode::UnknownParameter), "{parameter}");
     }
     assert!(read_as("lat=-1&lon=36&sky=total&basis=8", Format::Json).is_ok());
+    // The numbers of a sky tell artificial light from all of it: there is nothing to choose.
+    let numbers = |query: &str| sky(Some(query), SceneId::parse("demo").unwrap(), &facts());
+    assert!(numbers("lat=-1&lon=36&time=2026-08-20T23:16:00Z").is_ok());
+    let error = numbers("lat=-1&lon=36&sky=artificial").unwrap_err();
+    let [mistake] = error.field_errors() else { panic!("{error:?}") };
+    assert_eq!((mistake.parameter.as_str(), mistake.code), ("sky", ValidationCode::UnknownParameter));
 }
 
 /// Ground in light is for the colours of eye and camera, and for terrain that counts.

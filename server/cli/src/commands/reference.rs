@@ -96,7 +96,7 @@ impl Reference {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let cloud_albedo = self.cloud_albedo.unwrap_or(CloudBase::DEFAULT_ALBEDO);
         let facts = query::reference_facts(self.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO), cloud_albedo);
-        let (request, light) = request::sky(Some(self.query.query()), self.scene.clone(), &facts)
+        let (request, light) = request::reference(Some(self.query.query()), self.scene.clone(), &facts)
             .map_err(|error| query::failure(&error))?;
         if request.scattering == Scattering::Single && self.ground_albedo.is_some() {
             return Err(Failure::Usage(

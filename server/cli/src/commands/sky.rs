@@ -44,7 +44,7 @@ impl Sky {
         };
         read(&self.program.facts())?;
         let source = self.program.source()?;
-        let (request, _) = read(source.facts())?;
+        let request = read(source.facts())?;
         let (assumptions, sky) = render::rendered(source.as_ref(), request)?;
         if self.json.json {
             return print::print_json(&SkyAnswer::new(assumptions, &sky));

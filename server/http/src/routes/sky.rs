@@ -46,10 +46,10 @@ pub async fn get_sky(
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Result<Response<Body>, ApiError> {
-    let (request, light) = sky(query.as_deref(), scene_id(&scene)?, state.source.facts())?;
+    let request = sky(query.as_deref(), scene_id(&scene)?, state.source.facts())?;
     let prepared = PreparedSky::prepare(&state, request).await?;
     let caching =
-        Caching { etag: ETag::of(&("sky", &prepared.key, light))?, policy: CachePolicy::Minutes, vary: None };
+        Caching { etag: ETag::of(&("sky", &prepared.key))?, policy: CachePolicy::Minutes, vary: None };
     if let Some(response) = caching.not_modified(&headers) {
         return Ok(response);
     }

@@ -84,6 +84,7 @@ impl Default for Fake {
                 any_cloud_albedo: None,
                 altitude_range_m: (0.0, 6000.0),
                 celestial_turbidity_range: Some((1.5, 6.0)),
+                celestial_highest_m: Some(4500.0),
                 pack_checksums: "abc".into(),
             },
             mood: Mutex::default(),

@@ -94,8 +94,12 @@ async fn the_ground_over_a_terrain_gap_is_reported() {
         assert_eq!(server.json(&sky).await.1["observer"]["altitude_m"], altitude_m);
         assert!(header(&server.answer(&picture).await, "skyglow-warnings").contains(said));
         // An eye above sea level does not ask for the ground.
-        let (_, above_sea) = server.json(&format!("{sky}&altitude=5000")).await;
+        let (_, above_sea) = server.json(&format!("{sky}&altitude=4500")).await;
         assert_eq!(above_sea["warnings"], json!([]));
+        // The natural sky does not get darker above its tables.
+        let (_, high) = server.json(&format!("{sky}&altitude=4501")).await;
+        let said = "the natural sky is that of 4500 m above the sea: its tables end there";
+        assert_eq!(high["warnings"], json!([said]));
         // It may be in it.
         let (_, buried) = server.json(&format!("{sky}&altitude=1")).await;
         let is_buried = known.as_f64().is_some_and(|ground_m| ground_m > 2.0);

@@ -73,6 +73,12 @@ export const server: ServerWords = {
     ["a whole number from {n} to {n}", "eine ganze Zahl von {} bis {}"],
     ["{n} to {n}", "{} bis {}"],
     ["{n} to {n} {}", "{} bis {} {}"],
+    [
+      "a time from {n}-01-01 to {n}-12-31 as RFC 3339 has it, with its offset from UTC or Z, such as {} or {}",
+      "eine Zeit vom 1.1.{} bis zum 31.12.{} nach RFC 3339, mit dem Abstand zu UTC oder Z, wie {} oder {}",
+    ],
+    ["a date from {n}-01-03 to {n}-12-28, such as {}", "ein Datum vom 3.1.{} bis zum 28.12.{}, wie {}"],
+    ["a month from {n}-02 to {n}-11, such as {}", "ein Monat von Februar {} bis November {}, wie {}"],
     // Details of problems.
     ['there is no scene "{}"; GET /api/v1/scenes lists those that are there', "eine Szene „{}“ gibt es auf diesem Server nicht"],
     [
@@ -176,6 +182,10 @@ export const server: ServerWords = {
     [
       "the observer is {} m below the ground: the sky is what air there would show without it",
       "der Standort liegt {} m unter dem Boden: der Himmel ist der, den die Luft dort ohne ihn zeigen würde",
+    ],
+    [
+      "the natural sky is that of {} m above the sea: its tables end there",
+      "der natürliche Himmel ist der in {} m über dem Meer: höher reichen seine Tabellen nicht",
     ],
     [
       "natural light comes through the clouds as far as they do not reflect it, in all directions alike; there is neither Bortle class nor limiting magnitude",
