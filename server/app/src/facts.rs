@@ -103,7 +103,7 @@ impl SourceFacts {
         self.kinds_under(request.cloud_base_m).find(|kind| kind.scattering == request.scattering)
     }
 
-    /// Lambertian albedo of the base of a request's clouds; None under a clear sky.
+    /// Albedo of the base of a request's clouds; None under a clear sky.
     pub fn cloud_albedo(&self, request: &SkyRequest) -> Option<f64> {
         request.cloud_base_m?;
         self.any_cloud_albedo.or_else(|| Some(self.kind(request)?.clouds?.albedo()))

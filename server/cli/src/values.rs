@@ -12,3 +12,8 @@ pub(crate) fn turbidity(text: &str) -> Result<Turbidity, String> {
 pub(crate) fn albedo(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|albedo| (0.0..=1.0).contains(albedo)).ok_or("allowed is 0 to 1".to_owned())
 }
+
+/// Optical depth of a layer of cloud, from text.
+pub(crate) fn cloud_optical_depth(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|depth| (0.0..=250.0).contains(depth)).ok_or("allowed is 0 to 250".to_owned())
+}

@@ -99,7 +99,7 @@ fn without_terrain_it_is_the_plain_sum() {
 /// Below a cloud all sums agree, and what hides a source from the base counts.
 #[test]
 fn sums_agree_below_a_cloud() {
-    let cloudy = atmosphere().under(Some(CloudBase::new(1_500.0, 0.5).unwrap()));
+    let cloudy = atmosphere().under(Some(CloudBase::lambertian(1_500.0, 0.5).unwrap()));
     let high = PointSource { altitude_m: 1_600.0, ..source(3_000.0) };
     let (sources, directions) = ([source(3_000.0), source(9_000.0), high], view_directions());
     let sum = sky(&sources, &directions);

@@ -22,19 +22,30 @@ pub struct Clouds(CloudBase);
 struct WrittenClouds {
     base_m: u32,
     albedo: f64,
+    /// Of the drops; tables of earlier programs have none.
+    optical_depth: Option<f64>,
 }
 
 impl TryFrom<WrittenClouds> for Clouds {
-    type Error = PhysicsError;
+    type Error = String;
 
-    fn try_from(written: WrittenClouds) -> Result<Self, PhysicsError> {
-        Self::new(written.base_m, written.albedo)
+    fn try_from(written: WrittenClouds) -> Result<Self, String> {
+        if written.optical_depth.is_none() {
+            return Err("its clouds are a Lambertian surface, as in earlier programs; make it again with `skyglow precompute \
+                        --cloud-base`"
+                .to_owned());
+        }
+        Self::new(written.base_m, written.albedo).map_err(|error| error.to_string())
     }
 }
 
 impl From<Clouds> for WrittenClouds {
     fn from(clouds: Clouds) -> Self {
-        Self { base_m: clouds.base_m(), albedo: clouds.albedo() }
+        Self {
+            base_m: clouds.base_m(),
+            albedo: clouds.albedo(),
+            optical_depth: Some(CloudBase::optical_depth(clouds.albedo())),
+        }
     }
 }
 
@@ -57,7 +68,7 @@ impl Clouds {
         self.0.altitude_m() as u32
     }
 
-    /// Lambertian albedo of the base from below, 0..=1.
+    /// Albedo of the base from below, 0..=0.95: that of [`CloudBase::albedo`].
     pub fn albedo(self) -> f64 {
         self.0.albedo()
     }
@@ -144,6 +155,16 @@ pub(crate) fn altitudes_below(clear_m: &[f64], clouds: Clouds) -> Vec<f64> {
 mod tests {
     use super::*;
 
+    /// Tables under a Lambertian surface, which earlier programs made, are refused with what to do.
+    #[test]
+    fn lambertian_clouds_are_refused() {
+        let read = |json: &str| serde_json::from_str::<Clouds>(json).map_err(|error| error.to_string());
+        let refused = read(r#"{"base_m":1500,"albedo":0.5}"#).unwrap_err();
+        assert!(refused.contains("Lambertian") && refused.contains("precompute"), "{refused}");
+        let clouds = Clouds::new(1_500, 0.5).unwrap();
+        assert_eq!(read(&serde_json::to_string(&clouds).unwrap()), Ok(clouds));
+    }
+
     /// Sources of nodes above a layer of cloud are clamped below it.
     #[test]
     fn sources_are_clamped_below_clouds() {
@@ -197,9 +218,10 @@ mod tests {
     fn clouds_round_trip_and_bad_ones_are_refused() {
         let clouds = Clouds::new(1_500, 0.6).unwrap();
         let text = serde_json::to_string(&clouds).unwrap();
-        assert_eq!(text, r#"{"base_m":1500,"albedo":0.6}"#);
+        assert_eq!(text, r#"{"base_m":1500,"albedo":0.6,"optical_depth":20.0}"#);
         assert_eq!(serde_json::from_str::<Clouds>(&text).unwrap(), clouds);
-        let refused = serde_json::from_str::<Clouds>(r#"{"base_m":100,"albedo":0.6}"#).unwrap_err();
+        let refused = serde_json::from_str::<Clouds>(r#"{"base_m":100,"albedo":0.6,"optical_depth":20.0}"#)
+            .unwrap_err();
         assert!(refused.to_string().contains("cloud_base"), "{refused}");
     }
 }

@@ -10,8 +10,8 @@ use skyglow_observatory::{
     InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
 use skyglow_physics::{
-    BAND_COUNT, BrokenClouds, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset, Lobe,
-    Response, spectrum::Colour,
+    BAND_COUNT, BrokenClouds, CloudBase, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset,
+    Lobe, Response, spectrum::Colour,
 };
 use skyglow_scene::{ChangeId, Ground, SceneMetadata};
 use std::collections::BTreeMap;
@@ -162,8 +162,10 @@ pub struct Assumptions {
     pub emission: EmissionAnswer,
     /// `none`, or the altitude of the base of a closed layer of cloud in metres above sea level.
     pub clouds: String,
-    /// Lambertian albedo of that base from below; null where there are no clouds.
+    /// Albedo of that base from below, of light that goes straight up; null where there are no clouds.
     pub cloud_albedo: Option<f64>,
+    /// Optical depth of the drops that have this albedo; null where there are no clouds.
+    pub cloud_optical_depth: Option<f64>,
     /// Share of that layer that is cloud; null where there are no clouds.
     pub cloud_cover: Option<f64>,
     /// Which pattern of clouds; null for the mean of all, and where the layer is closed.
@@ -237,6 +239,7 @@ impl Assumptions {
             emission: request.emission.into(),
             clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             cloud_albedo: facts.cloud_albedo(request),
+            cloud_optical_depth: facts.cloud_albedo(request).map(CloudBase::optical_depth),
             cloud_cover: request.cloud_base_m.map(|_| request.broken_clouds.map_or(1.0, BrokenClouds::cover)),
             cloud_pattern: request.broken_clouds.and_then(BrokenClouds::pattern),
             dark_reference: DarkReferenceAnswer::new(&context.dark, &request.response),

@@ -14,7 +14,7 @@ pub struct AtmosphereAnswer {
     pub ground_albedo: Option<f64>,
     /// Base of the closed layer of cloud above sea level, metres; null under a clear sky.
     pub cloud_base_m: Option<u32>,
-    /// Lambertian albedo of that base from below; null under a clear sky.
+    /// Albedo of that base from below, of light that goes straight up; null under a clear sky.
     pub cloud_albedo: Option<f64>,
     /// Wavelengths of the bands, nm.
     pub bands_nm: Vec<f64>,

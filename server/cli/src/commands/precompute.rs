@@ -39,9 +39,12 @@ pub(crate) struct Precompute {
     /// Base of a closed layer of cloud, whole metres above sea level [default: none, a clear sky]
     #[arg(long, env = "SKYGLOW_CLOUD_BASE", value_name = "M", value_parser = cloud_base_m)]
     cloud_base: Option<u32>,
-    /// Albedo of that base from below, 0 to 1 [default: 0.5]
+    /// Albedo of that base from below, 0 to 0.95 [default: 0.5]
     #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true, requires = "cloud_base")]
     cloud_albedo: Option<f64>,
+    /// Instead of the albedo: optical depth of the drops, 0 to 250
+    #[arg(long, env = "SKYGLOW_CLOUD_OPTICAL_DEPTH", value_name = "TAU", value_parser = values::cloud_optical_depth, allow_negative_numbers = true, requires = "cloud_base", conflicts_with = "cloud_albedo")]
+    cloud_optical_depth: Option<f64>,
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
@@ -143,7 +146,8 @@ impl Precompute {
             ..full
         };
         let Some(base_m) = self.cloud_base else { return Ok(options) };
-        let albedo = self.cloud_albedo.unwrap_or(CloudBase::DEFAULT_ALBEDO);
+        let by_depth = self.cloud_optical_depth.map(CloudBase::albedo_of);
+        let albedo = self.cloud_albedo.or(by_depth).unwrap_or(CloudBase::DEFAULT_ALBEDO);
         Ok(options.under(Clouds::new(base_m, albedo).map_err(|error| Failure::Usage(error.to_string()))?))
     }
 }
@@ -198,7 +202,18 @@ mod tests {
         assert_eq!(clouds(&[]), None);
         assert_eq!(clouds(&["--cloud-base", "1500"]), Clouds::new(1_500, 0.5).ok());
         assert_eq!(clouds(&["--cloud-base", "800", "--cloud-albedo", "0.7"]), Clouds::new(800, 0.7).ok());
-        for wrong in [["--cloud-base", "150"], ["--cloud-base", "1500.5"], ["--cloud-albedo", "0.7"]] {
+        let by_depth = clouds(&["--cloud-base", "800", "--cloud-optical-depth", "20"]).map(Clouds::albedo);
+        assert_eq!(by_depth, Some(0.6));
+        assert!(
+            options(&["--cloud-base", "800", "--cloud-optical-depth", "20", "--cloud-albedo", "0.6"])
+                .is_err()
+        );
+        for wrong in [
+            ["--cloud-optical-depth", "20"],
+            ["--cloud-base", "150"],
+            ["--cloud-base", "1500.5"],
+            ["--cloud-albedo", "0.7"],
+        ] {
             let refused = options(&wrong).unwrap_err().to_string();
             assert!(refused.contains("cloud"), "{refused}");
         }

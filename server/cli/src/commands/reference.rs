@@ -54,7 +54,7 @@ pub(crate) struct Reference {
     /// Lambertian albedo of the ground, 0 to 1, for multiple scattering [default: 0.15]
     #[arg(long, env = "SKYGLOW_GROUND_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true)]
     ground_albedo: Option<f64>,
-    /// Lambertian albedo of the base of --clouds from below, 0 to 1 [default: 0.5]
+    /// Albedo of the base of --clouds from below, 0 to 0.95 [default: 0.5]
     #[arg(long, env = "SKYGLOW_CLOUD_ALBEDO", value_name = "A", value_parser = values::albedo, allow_negative_numbers = true)]
     cloud_albedo: Option<f64>,
     #[command(flatten)]

@@ -16,7 +16,7 @@ use skyglow_app::{
 };
 use skyglow_celestial::answers::BodyPlace;
 use skyglow_physics::{
-    Band, EmissionKeep, SkyQuantities,
+    Band, CloudBase, EmissionKeep, SkyQuantities,
     surfaces::{SurfaceLight, Surfaces},
 };
 use skyglow_scene::SceneId;
@@ -190,7 +190,11 @@ fn terrain(assumptions: &Assumptions) -> &'static str {
 
 fn clouds(assumptions: &Assumptions) -> String {
     match assumptions.cloud_albedo {
-        Some(albedo) => format!("closed at {} m above sea level, of albedo {albedo}", assumptions.clouds),
+        Some(albedo) => format!(
+            "closed at {} m above sea level, of albedo {albedo} (optical depth {:.0})",
+            assumptions.clouds,
+            CloudBase::optical_depth(albedo)
+        ),
         None => assumptions.clouds.clone(),
     }
 }

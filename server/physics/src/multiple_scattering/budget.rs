@@ -117,7 +117,8 @@ fn add_ray(
             }
         }
     }
-    let out = optical_depths(&setting.atmosphere, path.point(end_m).columns_m);
+    let end = path.point(end_m);
+    let out = optical_depths(&setting.atmosphere, end.columns_m);
     for lane in 0..USED_LANES {
         let (band, watts) = (lane / LOBE_COUNT, ring_sr * lobes[lane % LOBE_COUNT]);
         budget.scattered_w[lane] += watts * sums[0][band];
@@ -127,7 +128,7 @@ fn add_ray(
         match cloud {
             Some(cloud) => {
                 budget.at_base_w[lane] += end_w;
-                budget.returned_w[lane] += end_w * cloud.albedo();
+                budget.returned_w[lane] += end_w * cloud.plane_albedo(end.cos_zenith);
             }
             None => budget.escaped_w[lane] += end_w,
         }

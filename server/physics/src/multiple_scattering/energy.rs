@@ -149,7 +149,7 @@ pub(super) fn field_power(
             }
         });
         for (returned, arriving) in power.returned_w.iter_mut().zip(power.at_base_w) {
-            *returned += arriving * cloud.albedo();
+            *returned += arriving * cloud.diffuse_albedo();
         }
     }
     power

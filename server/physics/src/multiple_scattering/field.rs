@@ -115,7 +115,7 @@ impl SourceField {
         }
         let followed = SourceFunction::new(&total.unwrap_or_else(|| Moments::dark(&grid, 0)));
         let source = smooth(&followed, &grid).with_lines_at_mean(&grid);
-        let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.albedo(), MAX_TAIL_RATIO));
+        let base = base_flux.map(|(cloud, flux)| flux.radiance(cloud.diffuse_albedo(), MAX_TAIL_RATIO));
         Self { setting, grid, source, base, powers, changes }
     }
 

@@ -353,7 +353,7 @@ mod tests {
         for (source, ground, base) in
             [(0.0, 0.0, 200.0), (0.0, 0.0, 1_000.0), (900.0, 300.0, 950.0), (0.0, 0.0, 12_000.0)]
         {
-            let cloud = CloudBase::new(base, 0.5).unwrap();
+            let cloud = CloudBase::lambertian(base, 0.5).unwrap();
             let grid = FieldGrid::new(source, ground, Some(cloud), 0.2, 1);
             assert_eq!(grid.layer_m[0], ground);
             assert_eq!(*grid.layer_m.last().unwrap(), base);

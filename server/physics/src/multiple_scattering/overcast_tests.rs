@@ -17,7 +17,7 @@ use std::{f64::consts::PI, sync::LazyLock};
 const BASE_M: f64 = 1_000.0;
 
 fn air(base_m: f64, albedo: f64) -> Atmosphere {
-    let cloud = CloudBase::new(base_m, albedo).unwrap();
+    let cloud = CloudBase::lambertian(base_m, albedo).unwrap();
     Atmosphere::new(Turbidity::new(2.0).unwrap()).under(Some(cloud))
 }
 
@@ -41,6 +41,24 @@ fn energy_balances_below_a_cloud() {
     // Half of the direct light is reflected, and with what is scattered it is the light of the first order.
     let sent = powers[0].scattered_on_w()[1][0] + 0.5 * powers[0].at_base_w()[1][0];
     assert!((powers[1].sent_w()[1][0] / sent - 1.0).abs() < 1e-6);
+}
+
+/// The same below drops: what they reflect of the direct light, by its angle, is found again in the light of the first order.
+#[test]
+fn energy_balances_below_drops() {
+    let drops = CloudBase::new(BASE_M, 0.5).unwrap();
+    let setting =
+        SourceSetting::new(air(BASE_M, 0.5).under(Some(drops)), 0.0, 0.0, DEFAULT_GROUND_ALBEDO).unwrap();
+    let field = SourceField::solve(setting, &Resolution::coarse());
+    check_balance(&field);
+    check_rows(&field, [(400.0, 0.4), (7e3, 1.7), (30e3, 2.8)]);
+    // More of the horizontal lobe than of the Lambertian one comes back: it arrives at grazing angles.
+    let returned = |lobe: usize| {
+        let power = &field.powers()[0];
+        (field.powers()[1].sent_w()[1][lobe] - power.scattered_on_w()[1][lobe]) / power.at_base_w()[1][lobe]
+    };
+    let [steep, grazing] = [0, 1].map(returned);
+    assert!(steep > 0.5 && grazing > steep + 0.05, "{steep} {grazing}");
 }
 
 /// First-order light on the grid is that of `single_source` below a cloud.

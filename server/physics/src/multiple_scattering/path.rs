@@ -167,10 +167,15 @@ impl SteppedPath {
             }
         }
         let surface = if ground_m.is_some() { Some(Surface::Ground) } else { base_m.map(|_| Surface::Base) };
-        let end = surface.map(|surface| PathEnd {
-            surface,
-            arc_m: arc_m(end_m),
-            through: lanes_from_bands(before),
+        let end = surface.map(|surface| {
+            // The light of later orders comes from everywhere: by reciprocity a base sends it on as it reflects light of the other way.
+            let base = cloud.filter(|_| surface == Surface::Base);
+            let towards_start = base.map_or(1.0, |cloud| cloud.diffuse_share(here.cos_zenith));
+            PathEnd {
+                surface,
+                arc_m: arc_m(end_m),
+                through: lanes_from_bands(before.map(|t| t * towards_start)),
+            }
         });
         Self { steps, stretches, parts, end }
     }

@@ -34,7 +34,9 @@ struct Beam {
     end: DVec3,
     /// The vertical there.
     up: DVec3,
-    /// A/π times the power that arrives, of both halves of the sphere, sr⁻¹ per watt.
+    /// The direction in which the light goes.
+    along: DVec3,
+    /// 1/π times the power that arrives, of both halves of the sphere, sr⁻¹ per watt.
     intensity: [f64; LANES],
 }
 
@@ -113,12 +115,13 @@ impl<'a> Reflection<'a> {
             let length_m = path.path_to_base_m(self.cloud.altitude_m());
             let depths = optical_depths(&self.setting.atmosphere, path.point(length_m).columns_m);
             let solid_angle = weight * TAU / self.rule.around as f64;
-            let response = self.cloud.albedo() / PI * solid_angle;
+            let response = solid_angle / PI;
             let intensity = by_lane(&depths, lobe_intensities_per_sr(cosine).map(|f| f * response));
             for k in 0..self.rule.around {
                 let (sin_turn, cos_turn) = (PI * (k as f64 + 0.5) / self.rule.around as f64).sin_cos();
-                let end = self.source + DVec3::new(sine * cos_turn, sine * sin_turn, cosine) * length_m;
-                beams.push(Beam { end, up: end.normalize(), intensity });
+                let along = DVec3::new(sine * cos_turn, sine * sin_turn, cosine);
+                let end = self.source + along * length_m;
+                beams.push(Beam { end, up: end.normalize(), along, intensity });
             }
         }
         beams
@@ -154,7 +157,8 @@ impl<'a> Reflection<'a> {
             }
             let depths = optical_depths(&self.setting.atmosphere, path.point(distance_m).columns_m);
             let share = beam_share((beam.end - self.source).length_squared(), distance2);
-            let mut radiance = by_lane(&depths, [share * facing / distance2; LOBE_COUNT]);
+            let reflectance = self.cloud.reflectance(beam.along.dot(beam.up), facing, -beam.along.dot(view));
+            let mut radiance = by_lane(&depths, [reflectance * share * facing / distance2; LOBE_COUNT]);
             for (value, intensity) in radiance.iter_mut().zip(beam.intensity) {
                 *value *= intensity;
             }
@@ -186,9 +190,11 @@ impl<'a> Reflection<'a> {
                 direct_light(self.setting, self.source_density, from_source, altitude_m, self.base_density);
             let columns_m = [from[0] + to_here[0], from[1] + to_here[1]];
             let depths = optical_depths(&self.setting.atmosphere, columns_m);
-            let facing = (from_source.dot(end) / (distance2.sqrt() * end.length())).max(0.0);
+            let (along, up) = (from_source / distance2.sqrt(), end.normalize());
+            let facing = along.dot(up).max(0.0);
             let share = 1.0 - beam_share(distance2, length_m * length_m);
-            let response = self.cloud.albedo() / PI * facing * share;
+            let reflectance = self.cloud.reflectance(facing, view.dot(up).max(0.0), -along.dot(view));
+            let response = reflectance / PI * facing * share;
             light.add(place, view, &by_lane(&depths, lobes.map(|f| f * response)), solid_angle);
         }
     }

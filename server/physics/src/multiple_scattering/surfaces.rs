@@ -1,4 +1,4 @@
-//! The two reflecting surfaces, Lambertian (Lambert 1760): the ground, and the base of a cloud.
+//! The two surfaces that reflect light of later orders, Lambertian (Lambert 1760): the ground, and the base of a cloud.
 
 use super::{
     grid::{FieldGrid, LinearStencil},
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Radiance that stands for darkness, m⁻² sr⁻¹ per watt.
 const DARKNESS: f64 = 1e-36;
 
-/// ln of the radiance of a Lambertian surface [m⁻² sr⁻¹ per watt], `[ring]`.
+/// ln of the radiance of a Lambertian surface, or of one with the same flux, [m⁻² sr⁻¹ per watt], `[ring]`.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceRadiance(Vec<Lanes>);
 
@@ -45,7 +45,7 @@ impl Surfaces {
         Self {
             ground: SurfaceRadiance::new(setting.ground_albedo, &radiance.down_flux[..rings]),
             base: setting.atmosphere.cloud().map(|cloud| {
-                SurfaceRadiance::new(cloud.albedo(), &radiance.up_flux[grid.point_count() - rings..])
+                SurfaceRadiance::new(cloud.diffuse_albedo(), &radiance.up_flux[grid.point_count() - rings..])
             }),
         }
     }

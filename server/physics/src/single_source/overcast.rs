@@ -1,8 +1,9 @@
-//! Light that the Lambertian base of a cloud adds to a view ray (`docs/model.md#overcast`).
+//! Light that the base of a cloud adds to a view ray (`docs/model.md#overcast`).
 //!
-//!   b_base = E(P)·A/π · exp(−τ(P,O)),   E(P) = f(ψ)/d² · cos i · exp(−τ(S,P))     [m⁻² sr⁻¹ per watt]
+//!   b_base = E(P)·R/π · exp(−τ(P,O)),   E(P) = f(ψ)/d² · cos i · exp(−τ(S,P))     [m⁻² sr⁻¹ per watt]
 //!
-//! P is where the ray meets the base, i the zenith angle of the light there. Nothing comes through the base: an
+//! P is where the ray meets the base, i the zenith angle of the light there, R the reflectance there and in these directions, which is
+//! the albedo where the base is Lambertian. Nothing comes through the base: an
 //! observer at or above it sees nothing of this light, and a source at or above it emits nothing below.
 
 use super::{
@@ -69,11 +70,13 @@ impl Integrand<'_> {
         out
     }
 
-    /// cos i·A/π times both transmissions over d² [m⁻² sr⁻¹, per unit intensity] for each (atmosphere, band) slot.
+    /// cos i·R/π times both transmissions over d² [m⁻² sr⁻¹, per unit intensity] for each (atmosphere, band) slot.
     fn reflected(&self, p: &RayPoint, mut put: impl FnMut(usize, f64)) {
         let Some(cloud) = self.cloud else { return };
         let [molecules_m, aerosol_m] = self.columns_m(p, relative_densities(p.altitude_m));
-        let response = cloud.albedo() / PI * p.cos_zenith_of_light.max(0.0) / p.source_distance_m2;
+        let cos_light = p.cos_zenith_of_light.max(0.0);
+        let reflectance = cloud.reflectance(cos_light, p.cos_zenith_of_view, p.cos_gamma);
+        let response = reflectance / PI * cos_light / p.source_distance_m2;
         for (index, atmosphere) in self.atmospheres.iter().enumerate() {
             let beta_m = atmosphere.molecule_extinction_per_m();
             let beta_a = atmosphere.aerosol_extinction_per_m();

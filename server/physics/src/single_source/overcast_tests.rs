@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn under(turbidity: f64, base_m: f64, albedo: f64) -> Atmosphere {
-    clear(turbidity).under(Some(CloudBase::new(base_m, albedo).unwrap()))
+    clear(turbidity).under(Some(CloudBase::lambertian(base_m, albedo).unwrap()))
 }
 
 fn clear(turbidity: f64) -> Atmosphere {

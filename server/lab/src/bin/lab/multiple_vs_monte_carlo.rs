@@ -220,8 +220,10 @@ struct Told {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let resolution = resolution(arguments)?;
-    let cloud =
-        arguments.cloud_base_m.map(|base_m| CloudBase::new(base_m, arguments.cloud_albedo)).transpose()?;
+    let cloud = arguments
+        .cloud_base_m
+        .map(|base_m| CloudBase::lambertian(base_m, arguments.cloud_albedo))
+        .transpose()?;
     let mut told = Told::default();
     for &turbidity in &arguments.turbidity.0 {
         let atmosphere = Atmosphere::new(Turbidity::new(turbidity)?).under(cloud);

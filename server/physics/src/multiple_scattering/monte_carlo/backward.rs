@@ -73,7 +73,11 @@ struct Wall {
 
 impl Tracer {
     /// A tracer of a band of a setting, seen from `geometry` (whose source altitude must be the setting's).
+    ///
+    /// # Panics
+    /// Under a cloud that is not Lambertian.
     pub fn new(setting: SourceSetting, band: Band, geometry: &SourceGeometry) -> Self {
+        super::check_base(&setting);
         // The source on the z axis, the observer in the plane y = 0.
         let (sine, cosine) = (geometry.distance_m / EARTH_RADIUS_M).sin_cos();
         let up = DVec3::new(sine, 0.0, cosine);

@@ -63,7 +63,11 @@ type Tally = [[f64; LOBE_COUNT]; SEPARATE_ORDERS];
 
 impl ForwardTracer {
     /// A tracer of a band of a setting.
+    ///
+    /// # Panics
+    /// Under a cloud that is not Lambertian.
     pub fn new(setting: SourceSetting, band: Band) -> Self {
+        super::check_base(&setting);
         Self {
             setting,
             band: band.index(),

@@ -12,12 +12,19 @@ pub(crate) mod draws;
 mod forward;
 mod through_clouds;
 
+use super::SourceSetting;
 use crate::emission::LOBE_COUNT;
 pub use backward::Tracer;
 pub use cloud_cells::{CloudField, CloudMatter};
 pub use crossing::Detector;
 pub use forward::ForwardTracer;
-pub use through_clouds::{CLOUD_ASYMMETRY, CloudTracer, MeanRadiance, Town};
+pub use through_clouds::{CloudTracer, MeanRadiance, Town};
+
+/// Both tracers of light below a lid know how a Lambertian one reflects, not how drops do.
+fn check_base(setting: &SourceSetting) {
+    let is_known = setting.atmosphere.cloud().is_none_or(|cloud| cloud.is_lambertian());
+    assert!(is_known, "the tracers know Lambertian clouds alone; `CloudTracer` has drops");
+}
 
 /// Orders that are reported separately.
 pub const SEPARATE_ORDERS: usize = 12;

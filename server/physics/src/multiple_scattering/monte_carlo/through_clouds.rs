@@ -17,6 +17,7 @@ use crate::{
     atmosphere::AEROSOL_ALBEDO,
     bands::Band,
     cone::sin_blocking,
+    drop_reflectance::DROP_ASYMMETRY,
     emission::{EmissionMix, LOBE_COUNT, lobe_intensities_per_sr},
     geometry::EARTH_RADIUS_M,
     phase::henyey_greenstein_per_sr,
@@ -25,8 +26,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Asymmetry of the phase function of drops (Henyey and Greenstein 1941).
-pub const CLOUD_ASYMMETRY: f64 = 0.85;
 /// Top of the atmosphere for paths, metres.
 const TOP_ALTITUDE_M: f64 = 100_000.0;
 /// A light nearer than this counts as so far away, metres, as everywhere in the program.
@@ -223,8 +222,7 @@ impl CloudTracer {
             Event::Drop => {
                 if let Some((light_per_m2, from_source)) = self.direct(walk, walk.position) {
                     let cosine = (-from_source.dot(walk.direction)).clamp(-1.0, 1.0);
-                    walk.sum +=
-                        walk.weight * light_per_m2 * henyey_greenstein_per_sr(cosine, CLOUD_ASYMMETRY);
+                    walk.sum += walk.weight * light_per_m2 * henyey_greenstein_per_sr(cosine, DROP_ASYMMETRY);
                 }
                 walk.direction = henyey_greenstein_direction(walk.direction, random);
             }
@@ -373,7 +371,7 @@ fn drop_met(
 
 /// A direction after a scattering by a drop.
 fn henyey_greenstein_direction(direction: DVec3, random: &mut Random) -> DVec3 {
-    let g = CLOUD_ASYMMETRY;
+    let g = DROP_ASYMMETRY;
     let s = (1.0 - g * g) / (1.0 - g + 2.0 * g * random.unit());
     let cosine = ((1.0 + g * g - s * s) / (2.0 * g)).clamp(-1.0, 1.0);
     turned(direction, cosine, TAU * random.unit())

@@ -41,7 +41,7 @@ fn traced_light_agrees_with_the_solver() {
     let clear = setting(2.0, DEFAULT_GROUND_ALBEDO);
     let lid = CloudField::closed(BASE_M, CloudMatter::Lid { albedo: 0.5 }).unwrap();
     for clouds in [None, Some(lid)] {
-        let cloud = clouds.as_ref().map(|_| CloudBase::new(BASE_M, 0.5).unwrap());
+        let cloud = clouds.as_ref().map(|_| CloudBase::lambertian(BASE_M, 0.5).unwrap());
         let under = SourceSetting { atmosphere: clear.atmosphere.under(cloud), ..clear };
         let field = SourceField::solve(under, &Resolution::coarse());
         let tracer = CloudTracer::new(clear, clouds, Band::MIDDLE, 0.0);
@@ -68,7 +68,7 @@ fn thick_layers_reflect_by_asymptotic_theory() {
         let traced = tracer.estimate(&town, 0.5 * PI, 100_000, 3);
         let albedo = traced.radiance_per_m2_sr * PI / flux_per_m2;
         let noise = traced.standard_error_per_m2_sr * PI / flux_per_m2;
-        let expected = 1.0 - 9.0 / 7.0 / (0.75 * (1.0 - CLOUD_ASYMMETRY) * optical_depth + 1.07);
+        let expected = 1.0 - 9.0 / 7.0 / (0.75 * (1.0 - DROP_ASYMMETRY) * optical_depth + 1.07);
         assert!(noise < 0.05, "{noise}");
         assert!(
             (albedo - expected).abs() < 0.03 + 4.0 * noise,
