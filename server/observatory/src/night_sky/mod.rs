@@ -24,7 +24,7 @@ use skyglow_physics::{
     natural_sky::meter_mean_of_points,
     panorama::{azimuth_rad, elevation_rad},
 };
-use skyglow_render::celestial::{BeamGrid, CelestialTables};
+use skyglow_render::celestial::{BeamGrid, CelestialTables, SkiesAt};
 use std::{f64::consts::FRAC_PI_2, sync::Arc};
 
 /// Highest eye that positions are found for, m: beyond it nothing in the sky moves.
@@ -108,9 +108,13 @@ impl NightSky {
         let site =
             Site::new(place.latitude_deg(), place.longitude_deg(), over.altitude_m.min(HIGHEST_SITE_M))?;
         let heavens = Heavens::new(site, time.instant, time.solar_flux_sfu)?;
-        let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over) };
+        let maker = Maker { tables, over, heavens: &heavens, looks: looks(tables, over), skies: None };
         let sun = maker.part(Component::Sun);
         let wanted = skipping.wanted(&heavens, sun.as_ref());
+        // Once for all components, before they are looked for side by side.
+        let has_grid = wanted.iter().any(|component| *component != Component::Moon);
+        let skies = has_grid.then(|| tables.skies_at(over.turbidity, over.altitude_m));
+        let maker = Maker { skies, ..maker };
         let (points, others) = rayon::join(
             || {
                 Component::ALL.map(|component| {
@@ -231,6 +235,8 @@ struct Maker<'a> {
     over: &'a Overhead<'a>,
     heavens: &'a Heavens,
     looks: [Look; ELEVATION_COUNT],
+    /// For light on many beams; None where there is none.
+    skies: Option<SkiesAt<'a>>,
 }
 
 impl Maker<'_> {
@@ -295,9 +301,8 @@ impl Maker<'_> {
         let angles = self.tables.zenith_angles_rad();
         let grid = IrradianceGrid::of(self.heavens, component, angles);
         let values = grid.values().iter().map(|value| *value as f32).collect();
-        BeamGrid::new(angles.len(), values).map_or_else(Panorama::dark, |grid| {
-            self.tables.grid_sky(self.over.turbidity, &grid, self.over.altitude_m)
-        })
+        let grid = BeamGrid::new(angles.len(), values);
+        grid.zip(self.skies.as_ref()).map_or_else(Panorama::dark, |(grid, skies)| skies.sky(&grid))
     }
 
     /// Adds what comes through the air without being scattered.

@@ -209,17 +209,15 @@ impl BeamAir {
         (REFRACTIVITY * slope / (1.0 + REFRACTIVITY * here), REFRACTIVITY * here)
     }
 
-    /// Phase function of the air over an altitude as a whole, by what each constituent scatters vertically, sr⁻¹, per band.
-    pub fn mixed_phase_per_sr(&self, altitude_m: f64, cos_scattering: f64) -> [f64; BAND_COUNT] {
+    /// Phase function of the air over an altitude as a whole, by what each constituent scatters vertically.
+    pub fn mixed_phase(&self, altitude_m: f64) -> MixedPhase {
         let aerosol_m =
             AEROSOL_ALBEDO * AEROSOL_SCALE_HEIGHT_M * (-altitude_m / AEROSOL_SCALE_HEIGHT_M).exp();
         let molecules_m = MOLECULE_SCALE_HEIGHT_M * self.molecule_density(altitude_m);
-        let (rayleigh, aerosol) =
-            (rayleigh_per_sr(cos_scattering), henyey_greenstein_per_sr(cos_scattering, AEROSOL_ASYMMETRY));
-        std::array::from_fn(|band| {
-            let (m, a) = (self.molecules_per_m[band] * molecules_m, self.aerosol_per_m[band] * aerosol_m);
-            (m * rayleigh + a * aerosol) / (m + a)
-        })
+        MixedPhase {
+            molecules: self.molecules_per_m.map(|per_m| per_m * molecules_m),
+            aerosol: self.aerosol_per_m.map(|per_m| per_m * aerosol_m),
+        }
     }
 
     /// Vertical optical depth over an altitude of at least 0, per band, by the midpoint rule.
@@ -233,6 +231,26 @@ impl BeamAir {
             }
         }
         depth
+    }
+}
+
+/// Phase function of air that scatters by molecules and by aerosol.
+#[derive(Clone, Copy, Debug)]
+pub struct MixedPhase {
+    /// What molecules scatter of light that crosses the air vertically, per band.
+    molecules: [f64; BAND_COUNT],
+    aerosol: [f64; BAND_COUNT],
+}
+
+impl MixedPhase {
+    /// Its value, sr⁻¹, per band.
+    pub fn per_sr(&self, cos_scattering: f64) -> [f64; BAND_COUNT] {
+        let (rayleigh, aerosol) =
+            (rayleigh_per_sr(cos_scattering), henyey_greenstein_per_sr(cos_scattering, AEROSOL_ASYMMETRY));
+        std::array::from_fn(|band| {
+            let (m, a) = (self.molecules[band], self.aerosol[band]);
+            (m * rayleigh + a * aerosol) / (m + a)
+        })
     }
 }
 

@@ -16,7 +16,7 @@ mod path;
 mod refraction;
 mod sunlight;
 
-pub use air::{BeamAir, MoleculeProfile, USUAL_OZONE_DOBSON};
+pub use air::{BeamAir, MixedPhase, MoleculeProfile, USUAL_OZONE_DOBSON};
 pub use field::{BeamField, BeamSetting, BeamView};
 pub use refraction::apparent_altitude_rad;
 

@@ -1,7 +1,10 @@
 //! Celestial tables of all turbidities: skies of beams between them, with what was made of the tables kept for the altitudes that were
 //! asked for last.
 
-use super::node_skies::{BeamGrid, NodeSkies};
+use super::{
+    kept::Kept,
+    node_skies::{BeamGrid, NodeSkies},
+};
 use crate::{
     cpu::blend::blend,
     error::RenderError,
@@ -9,33 +12,52 @@ use crate::{
 };
 use skyglow_physics::{BAND_COUNT, Panorama, Turbidity, interpolation::Stencil};
 use skyglow_tables::{CelestialTable, celestial_tables_in};
-use std::{
-    array::from_fn,
-    path::Path,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::{array::from_fn, path::Path, sync::Arc};
 
-/// Skies at the zenith angles of tables are made every so many metres of the observer's altitude and blended in between, so that the
-/// next place nearby finds them made.
-pub const ALTITUDE_STEP_M: f64 = 250.0;
-/// Bytes of them that are kept at most: those of four altitudes in three tables take as much.
+/// Altitudes of the observer that skies at the zenith angles of tables are made for, m; in between they are blended, so that the next
+/// place nearby finds them made.
+pub const ALTITUDES_M: [f64; 19] = [
+    0.0, 250.0, 500.0, 750.0, 1_000.0, 1_250.0, 1_500.0, 1_750.0, 2_000.0, 2_250.0, 2_500.0, 2_750.0,
+    3_000.0, 3_250.0, 3_500.0, 3_750.0, 4_000.0, 4_250.0, 4_500.0,
+];
+/// Bytes of them and of tables between turbidities that are kept at most.
 pub const MAX_KEPT_BYTES: usize = 96 << 20;
+/// Bytes of tables between turbidities among them: those of four turbidities.
+const MAX_BETWEEN_BYTES: usize = 6 << 20;
 /// Turbidities nearer than this to a table's are that table's own.
 const SAME_TURBIDITY: f64 = 1e-9;
 
-/// Tables in ascending turbidity, all on the same zenith angles.
+/// Tables in ascending turbidity, all on the same sample points.
 pub struct CelestialTables {
-    tables: Vec<CelestialTable>,
+    tables: Vec<Arc<CelestialTable>>,
     turbidities: Vec<f64>,
     twiddles: Twiddles,
-    /// Lately used last.
-    kept: Mutex<Vec<Kept>>,
+    /// Tables between turbidities, by the bits of theirs.
+    between: Kept<u64, CelestialTable>,
+    /// By the bits of turbidity and the place among [`ALTITUDES_M`].
+    skies: Kept<(u64, usize), NodeSkies>,
 }
 
-struct Kept {
-    table: usize,
-    altitude_bits: u64,
-    skies: Arc<NodeSkies>,
+/// Skies of beams from every zenith angle of the tables around an observer's altitude.
+pub struct SkiesAt<'a> {
+    twiddles: &'a Twiddles,
+    /// On the places of `skies`.
+    altitude: Stencil,
+    skies: Vec<Arc<NodeSkies>>,
+}
+
+impl SkiesAt<'_> {
+    /// Scattered light of all beams of a grid on [`CelestialTables::zenith_angles_rad`], in the grid's unit per sr; dark where it is on
+    /// others. In the logarithm between [`ALTITUDES_M`].
+    pub fn sky(&self, grid: &BeamGrid) -> Panorama {
+        let of = |place: usize| self.skies[place].sky(grid, self.twiddles).unwrap_or_else(Panorama::dark);
+        let mut skies: Vec<Panorama> = self.altitude.nodes().map(of).collect();
+        if skies.len() == 1 {
+            return skies.swap_remove(0);
+        }
+        let sources: Vec<&[f32]> = skies.iter().map(Panorama::samples).collect();
+        Panorama::from_samples(blend(&sources, &self.altitude, true)).unwrap_or_else(Panorama::dark)
+    }
 }
 
 impl std::fmt::Debug for CelestialTables {
@@ -59,19 +81,25 @@ impl CelestialTables {
     /// From tables in any order, at least one.
     ///
     /// # Errors
-    /// [`RenderError::CelestialTables`] where there is none, zenith angles differ, or a turbidity comes twice.
+    /// [`RenderError::CelestialTables`] where there is none, sample points differ, or a turbidity comes twice.
     pub fn new(mut tables: Vec<CelestialTable>) -> Result<Self, RenderError> {
         tables.sort_by(|a, b| a.turbidity().total_cmp(&b.turbidity()));
         let turbidities: Vec<f64> = tables.iter().map(CelestialTable::turbidity).collect();
         let refused = |reason: &str| RenderError::CelestialTables { reason: reason.to_owned() };
         let first = tables.first().ok_or_else(|| refused("there is none"))?;
-        if tables.iter().any(|table| table.zenith_angle_rad() != first.zenith_angle_rad()) {
-            return Err(refused("their zenith angles differ"));
+        if tables.iter().any(|table| table.manifest().axes != first.manifest().axes) {
+            return Err(refused("their sample points differ"));
         }
         if !turbidities.is_sorted_by(|a, b| a < b) {
             return Err(refused("a turbidity comes twice"));
         }
-        Ok(Self { tables, turbidities, twiddles: twiddles(), kept: Mutex::default() })
+        Ok(Self {
+            tables: tables.into_iter().map(Arc::new).collect(),
+            turbidities,
+            twiddles: twiddles(),
+            between: Kept::new(MAX_BETWEEN_BYTES, CelestialTable::byte_count),
+            skies: Kept::new(MAX_KEPT_BYTES - MAX_BETWEEN_BYTES, NodeSkies::byte_count),
+        })
     }
 
     /// Smallest and largest turbidity.
@@ -79,9 +107,14 @@ impl CelestialTables {
         (self.turbidities[0], self.turbidities[self.turbidities.len() - 1])
     }
 
+    /// Lowest and highest observer, m; beyond them the nearest counts.
+    pub fn altitude_range_m(&self) -> (f64, f64) {
+        self.tables[0].altitude_range_m()
+    }
+
     /// BLAKE3 of each, hexadecimal, one after another.
     pub fn checksums(&self) -> String {
-        self.tables.iter().map(CelestialTable::checksum).collect::<Vec<_>>().join(" ")
+        self.tables.iter().map(|table| table.checksum()).collect::<Vec<_>>().join(" ")
     }
 
     /// Zenith angles of beams that grids are on, rad, ascending.
@@ -94,33 +127,51 @@ impl CelestialTables {
         Stencil::lagrange_or_node(&self.turbidities, turbidity.value(), SAME_TURBIDITY)
     }
 
-    /// Scattered light of a beam of unit irradiance, sr⁻¹, from a true zenith angle and azimuth, rad; in the logarithm between
-    /// turbidities.
+    /// The table of a turbidity, which counts as the nearest one where it lies beyond all.
+    fn table(&self, turbidity: Turbidity) -> Arc<CelestialTable> {
+        let stencil = self.around(turbidity);
+        match stencil.weights() {
+            [_] => Arc::clone(&self.tables[stencil.nodes().start]),
+            _ => self.between.get(turbidity.value().to_bits(), || {
+                CelestialTable::between(&self.tables[stencil.nodes()], stencil.weights(), turbidity)
+            }),
+        }
+    }
+
+    /// Scattered light of a beam of unit irradiance, sr⁻¹, from a true zenith angle and azimuth, rad; between turbidities what tables
+    /// hold is interpolated.
     pub fn beam_sky(
         &self,
         turbidity: Turbidity,
         (zenith_angle_rad, azimuth_rad): (f64, f64),
         observer_altitude_m: f64,
     ) -> Panorama {
-        let beam =
-            |table: usize| self.tables[table].beam_sky(zenith_angle_rad, azimuth_rad, observer_altitude_m);
-        blended(&self.around(turbidity), beam)
+        self.table(turbidity).beam_sky(zenith_angle_rad, azimuth_rad, observer_altitude_m)
     }
 
-    /// Scattered light of all beams of a grid on [`Self::zenith_angles_rad`], in the grid's unit per sr; dark where it is on others. In
-    /// the logarithm between altitudes that are [`ALTITUDE_STEP_M`] apart.
-    pub fn grid_sky(&self, turbidity: Turbidity, grid: &BeamGrid, observer_altitude_m: f64) -> Panorama {
-        let (lowest_m, highest_m) = self.tables[0].altitude_range_m();
+    /// Skies of beams around an altitude, at a turbidity as [`Self::beam_sky`] has it; they are made where they are not kept.
+    pub fn skies_at(&self, turbidity: Turbidity, observer_altitude_m: f64) -> SkiesAt<'_> {
+        let (lowest_m, highest_m) = self.altitude_range_m();
         let altitude_m = observer_altitude_m.clamp(lowest_m, highest_m);
-        let low_m = (altitude_m / ALTITUDE_STEP_M).floor() * ALTITUDE_STEP_M;
-        let around_m = [low_m, low_m + ALTITUDE_STEP_M];
-        let altitude = Stencil::lagrange_or_node(&around_m, altitude_m, 1e-6);
-        blended(&self.around(turbidity), |table| {
-            blended(&altitude, |place| {
-                let skies = self.node_skies(table, around_m[place]);
-                skies.sky(grid, &self.twiddles).unwrap_or_else(Panorama::dark)
+        let above = ALTITUDES_M.partition_point(|m| *m <= altitude_m).clamp(1, ALTITUDES_M.len() - 1);
+        let around = above - 1..above + 1;
+        let altitude = Stencil::lagrange_or_node(&ALTITUDES_M[around.clone()], altitude_m, 1e-6);
+        let table = self.table(turbidity);
+        let skies = around.enumerate().filter(|(place, _)| altitude.nodes().contains(place));
+        let skies = skies.map(|(_, node)| {
+            self.skies.get((table.turbidity().to_bits(), node), || {
+                let sky = |zenith: usize| table.node_sky(zenith, ALTITUDES_M[node]);
+                NodeSkies::of(table.zenith_angle_rad().len(), sky, &self.twiddles)
             })
-        })
+        });
+        let skies: Vec<Arc<NodeSkies>> = skies.collect();
+        let altitude = if skies.len() == 1 { Stencil::single(0) } else { altitude };
+        SkiesAt { twiddles: &self.twiddles, altitude, skies }
+    }
+
+    /// What [`SkiesAt::sky`] has of one grid.
+    pub fn grid_sky(&self, turbidity: Turbidity, grid: &BeamGrid, observer_altitude_m: f64) -> Panorama {
+        self.skies_at(turbidity, observer_altitude_m).sky(grid)
     }
 
     /// What lights of several kinds scatter to the zenith that are the same at all azimuths: each of `rings` is the irradiance of one
@@ -132,21 +183,18 @@ impl CelestialTables {
         observer_altitude_m: f64,
     ) -> [[f64; BAND_COUNT]; KINDS] {
         let stencil = self.around(turbidity);
-        let of_table = |table: usize| {
-            let mut sums = [[0.0; BAND_COUNT]; KINDS];
-            for node in 0..self.zenith_angles_rad().len() {
-                let sky = self.tables[table].node_zenith(node, observer_altitude_m);
-                for (sum, ring) in
-                    sums.iter_mut().zip(rings).filter_map(|(sum, of)| Some((sum, of.get(node)?)))
-                {
-                    sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
-                }
+        let mut sums = [[0.0; BAND_COUNT]; KINDS];
+        for node in 0..self.zenith_angles_rad().len() {
+            let of_table =
+                |table: usize| self.tables[table].node_zenith(node, observer_altitude_m).map(f64::ln);
+            let logs: Vec<[f64; BAND_COUNT]> = stencil.nodes().map(of_table).collect();
+            let first = stencil.nodes().start;
+            let sky: [f64; BAND_COUNT] = from_fn(|band| stencil.sum(|table| logs[table - first][band]).exp());
+            for (sum, ring) in sums.iter_mut().zip(rings).filter_map(|(sum, of)| Some((sum, of.get(node)?))) {
+                sum.iter_mut().zip(ring).zip(sky).for_each(|((sum, ring), sky)| *sum += ring * sky);
             }
-            sums.map(|sum| sum.map(|value: f64| value.max(f64::MIN_POSITIVE).ln()))
-        };
-        let logs: Vec<[[f64; BAND_COUNT]; KINDS]> = stencil.nodes().map(of_table).collect();
-        let first = stencil.nodes().start;
-        from_fn(|kind| from_fn(|band| stencil.sum(|table| logs[table - first][kind][band]).exp()))
+        }
+        sums
     }
 
     /// Share of a beam that reaches the observer directly, by band; 0 below the horizon.
@@ -171,47 +219,8 @@ impl CelestialTables {
 
     /// Bytes of what is kept.
     pub fn kept_bytes(&self) -> usize {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().map(|kept| kept.skies.byte_count()).sum()
+        self.between.bytes() + self.skies.bytes()
     }
-
-    fn node_skies(&self, table: usize, observer_altitude_m: f64) -> Arc<NodeSkies> {
-        let altitude_bits = observer_altitude_m.to_bits();
-        let is_it = |kept: &Kept| kept.table == table && kept.altitude_bits == altitude_bits;
-        {
-            let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(place) = kept.iter().position(is_it) {
-                let found = kept.remove(place);
-                let skies = Arc::clone(&found.skies);
-                kept.push(found);
-                return skies;
-            }
-        }
-        // Outside the lock: others go on meanwhile, and one of two that make the same is dropped.
-        let of = &self.tables[table];
-        let node_count = of.zenith_angle_rad().len();
-        let sky = |node: usize| of.node_sky(node, observer_altitude_m);
-        let skies = Arc::new(NodeSkies::of(node_count, sky, &self.twiddles));
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if !kept.iter().any(is_it) {
-            kept.push(Kept { table, altitude_bits, skies: Arc::clone(&skies) });
-        }
-        let mut bytes: usize = kept.iter().map(|kept| kept.skies.byte_count()).sum();
-        while bytes > MAX_KEPT_BYTES && kept.len() > 1 {
-            bytes -= kept.remove(0).skies.byte_count();
-        }
-        skies
-    }
-}
-
-/// Skies of the tables of a stencil, as the lamps' skies of packs are blended.
-fn blended(stencil: &Stencil, sky: impl Fn(usize) -> Panorama) -> Panorama {
-    let mut skies: Vec<Panorama> = stencil.nodes().map(sky).collect();
-    if skies.len() == 1 {
-        return skies.swap_remove(0);
-    }
-    let sources: Vec<&[f32]> = skies.iter().map(Panorama::samples).collect();
-    Panorama::from_samples(blend(&sources, stencil, true)).unwrap_or_else(Panorama::dark)
 }
 
 #[cfg(test)]
@@ -270,10 +279,11 @@ mod tests {
         let one = tables.kept_bytes();
         assert_eq!(tables.grid_sky(turbidity, &grid, 0.0), first);
         assert_eq!(tables.kept_bytes(), one);
-        for altitude in 0..MAX_KEPT_BYTES / one + 2 {
-            tables.grid_sky(turbidity, &grid, ALTITUDE_STEP_M * altitude as f64);
+        for altitude_m in ALTITUDES_M {
+            tables.grid_sky(turbidity, &grid, altitude_m);
         }
-        assert!(tables.kept_bytes() <= MAX_KEPT_BYTES && tables.kept_bytes() + one > MAX_KEPT_BYTES);
+        let most = MAX_KEPT_BYTES - MAX_BETWEEN_BYTES;
+        assert!(tables.kept_bytes() <= most && tables.kept_bytes() + one > most);
         assert_eq!(tables.grid_sky(turbidity, &grid, 0.0), first);
     }
 
@@ -351,5 +361,26 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         assert!(CelestialTables::open(folder.path()).unwrap().is_none());
+    }
+
+    /// Without one of its neighbours, a sky between turbidities is that of the table that was left out, within 1 % where light comes
+    /// from everywhere; with it, the gap is half as wide.
+    #[test]
+    fn skies_between_turbidities_are_their_own() {
+        let packs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+        let all = CelestialTables::open(&packs).unwrap().unwrap();
+        let turbidity = Turbidity::new(2.5).unwrap();
+        let others = all.tables.iter().filter(|table| table.turbidity() != 2.5);
+        let without =
+            CelestialTables::new(others.map(|table| CelestialTable::clone(table)).collect()).unwrap();
+        let nodes = all.zenith_angles_rad().len();
+        let even = (0..BAND_COUNT * nodes * AZIMUTH_COUNT)
+            .map(|at| if at / AZIMUTH_COUNT % nodes < nodes / 2 { 1.0 } else { 0.0 });
+        let even = BeamGrid::new(nodes, even.collect()).unwrap();
+        let own = all.grid_sky(turbidity, &even, 500.0);
+        let found = largest_difference(&without.grid_sky(turbidity, &even, 500.0), &own, 1.0);
+        assert!(found < 1e-2 && found > 1e-6, "{found}");
+        let other = all.grid_sky(Turbidity::new(2.0).unwrap(), &even, 500.0);
+        assert!(largest_difference(&other, &own, 1.0) > 0.05);
     }
 }

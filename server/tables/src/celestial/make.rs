@@ -97,7 +97,7 @@ fn scattered(field: &BeamField, axes: &CelestialAxes) -> Vec<i16> {
                     let azimuth = PI * k as f64 / (axes.azimuth_count - 1) as f64;
                     let cosine =
                         elevation.sin() * zenith.cos() + elevation.cos() * zenith.sin() * azimuth.cos();
-                    let phase = field.setting().air.mixed_phase_per_sr(altitude_m, cosine.clamp(-1.0, 1.0));
+                    let phase = field.setting().air.mixed_phase(altitude_m).per_sr(cosine.clamp(-1.0, 1.0));
                     let radiance = view.radiance_per_sr(zenith, azimuth);
                     row.push(std::array::from_fn(|band| {
                         let log = (radiance[band] / phase[band]).max(f64::MIN_POSITIVE).ln();

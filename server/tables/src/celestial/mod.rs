@@ -19,7 +19,10 @@ use skyglow_physics::{
     multiple_scattering::DEFAULT_GROUND_ALBEDO,
     panorama::{azimuth_rad, elevation_rad},
 };
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::{
+    f64::consts::{FRAC_PI_2, PI, TAU},
+    sync::Arc,
+};
 
 /// ln of one step of the stored numbers: half a step is an error of 0.1 %.
 const LOG_STEP: f64 = 1.0 / 512.0;
@@ -114,6 +117,32 @@ impl CelestialTable {
         Self::from_parts(manifest, turbidity, scattered, direct, shadow_rad, true)
     }
 
+    /// The table of a turbidity between those of others, which have the same sample points, by the weights of an interpolation: what is
+    /// stored is blended, and the phase function is that of the turbidity itself.
+    pub fn between(tables: &[Arc<Self>], weights: &[f64], turbidity: Turbidity) -> Self {
+        let first = &tables[0];
+        let manifest = CelestialManifest {
+            turbidity: turbidity.value(),
+            checksum: String::new(),
+            ..first.manifest.clone()
+        };
+        let scattered =
+            blended(tables, weights, |table| table.scattered.iter().map(|steps| f32::from(*steps)));
+        Self::from_parts(
+            manifest,
+            turbidity,
+            scattered.into_iter().map(|steps| steps.round() as i16).collect(),
+            blended(tables, weights, |table| table.direct.iter().copied()),
+            blended(tables, weights, |table| table.shadow_rad.iter().copied()),
+            first.is_synthetic,
+        )
+    }
+
+    /// Bytes held.
+    pub fn byte_count(&self) -> usize {
+        size_of_val(&self.scattered[..]) + size_of_val(&self.direct[..])
+    }
+
     /// What the table is.
     pub fn manifest(&self) -> &CelestialManifest {
         &self.manifest
@@ -169,7 +198,7 @@ impl CelestialTable {
         let axes = &self.manifest.axes;
         let (altitude_m, altitude) = self.altitude(observer_altitude_m);
         let elevation = Stencil::lagrange(&self.elevation_node_rad, FRAC_PI_2);
-        let phase = self.air.mixed_phase_per_sr(altitude_m, self.zenith_angle_rad[node].cos());
+        let phase = self.air.mixed_phase(altitude_m).per_sr(self.zenith_angle_rad[node].cos());
         std::array::from_fn(|band| {
             let steps = altitude.sum(|altitude| {
                 let image = (altitude * self.zenith_angle_rad.len() + node) * BAND_COUNT + band;
@@ -222,21 +251,29 @@ impl CelestialTable {
         let cos_azimuth: Vec<f64> =
             (0..AZIMUTH_COUNT).map(|column| (azimuth_rad(column) - source_azimuth_rad).cos()).collect();
         let (sin_source, cos_source) = zenith_angle_rad.sin_cos();
+        let phase_of = self.air.mixed_phase(altitude_m);
+        // The sky is even about its source: towards the north half of it is the rest.
+        let columns = if source_azimuth_rad == 0.0 { AZIMUTH_COUNT / 2 + 1 } else { AZIMUTH_COUNT };
         let rows: Vec<[[f32; AZIMUTH_COUNT]; BAND_COUNT]> = (0..ELEVATION_COUNT)
             .into_par_iter()
             .map(|row| {
                 let (sin_elevation, cos_elevation) = elevation_rad(row).sin_cos();
                 let nodes = self.row_steps(&steps, elevation_rad(row));
                 let mut out = [[0.0; AZIMUTH_COUNT]; BAND_COUNT];
-                for column in 0..AZIMUTH_COUNT {
+                for column in 0..columns {
                     let cosine =
                         sin_elevation * cos_source + cos_elevation * sin_source * cos_azimuth[column];
-                    let phase = self.air.mixed_phase_per_sr(altitude_m, cosine.clamp(-1.0, 1.0));
+                    let phase = phase_of.per_sr(cosine.clamp(-1.0, 1.0));
                     for (band, out) in out.iter_mut().enumerate() {
                         let nodes = &nodes[band * axes.azimuth_count..][..axes.azimuth_count];
                         let steps: f32 =
                             stencils[column].iter().map(|&(node, weight)| weight * nodes[node]).sum();
                         out[column] = phase[band] as f32 * (LOG_STEP as f32 * steps).exp();
+                    }
+                }
+                for out in &mut out {
+                    for column in columns..AZIMUTH_COUNT {
+                        out[column] = out[AZIMUTH_COUNT - column];
                     }
                 }
                 out
@@ -294,6 +331,19 @@ impl CelestialTable {
         }
         nodes
     }
+}
+
+/// Sums of what tables hold by weights.
+fn blended<'a, Values: Iterator<Item = f32>>(
+    tables: &'a [Arc<CelestialTable>],
+    weights: &[f64],
+    of: impl Fn(&'a CelestialTable) -> Values,
+) -> Vec<f32> {
+    let mut sums = vec![0.0; of(&tables[0]).count()];
+    for (table, weight) in tables.iter().zip(weights) {
+        sums.iter_mut().zip(of(table)).for_each(|(sum, value)| *sum += *weight as f32 * value);
+    }
+    sums
 }
 
 /// Two neighbours and their weights; beyond the ends the end.
