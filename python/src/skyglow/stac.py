@@ -39,6 +39,8 @@ def write(folder: Path, parts: Sequence[Part], about: dict[str, Any], grid: Grid
     first, last, note = _interval(about.get("date"))
     description = " ".join(part for part in (f"{shows.capitalize()}, {unit}.", str(light), note) if part)
     boxes = [part.box for part in parts]
+    # That of all, then those of the parts: where there is one, STAC takes it once alone.
+    extents = [list(around(boxes)), *(list(box) for box in boxes if len(boxes) > 1)]
     collection = pystac.Collection(
         id=f"{scene}-{parts[0].path.stem.partition('-')[0]}",
         title=f"{scene}: {shows}",
@@ -48,9 +50,7 @@ def write(folder: Path, parts: Sequence[Part], about: dict[str, Any], grid: Grid
         providers=[pystac.Provider(str(about["attribution"]), roles=[pystac.ProviderRole.PRODUCER])]
         if "attribution" in about
         else None,
-        extent=pystac.Extent(
-            pystac.SpatialExtent([list(around(boxes)), *map(list, boxes)]), pystac.TemporalExtent([[first, last]])
-        ),
+        extent=pystac.Extent(pystac.SpatialExtent(extents), pystac.TemporalExtent([[first, last]])),
         extra_fields={"skyglow:assumptions": about["assumptions"]},
     )
     epsg = grid.crs.to_epsg()
