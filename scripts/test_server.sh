@@ -18,7 +18,7 @@ start_server() { # start_server DEVICE
     tries=0
     while [ -z "$url" ]; do
         url="$(grep -o 'http://127\.0\.0\.1:[0-9]*' "$folder/log" | head -n 1 || true)"
-        if ! kill -0 "$server" 2>/dev/null || [ "$tries" -ge 600 ]; then
+        if ! kill -0 "$server" 2>/dev/null || [ "$tries" -ge 1500 ]; then
             cat "$folder/log" >&2
             echo "$0: the server did not start (its log is above)" >&2
             exit 1

@@ -57,7 +57,7 @@ def test_async_answers_are_those_of_the_other_client(client, url):
         async with skyglow.AsyncClient(url) as other:
             return await asyncio.gather(
                 other.sky(*TOWN),
-                other.panorama(*TOWN, responses=["photopic", "scotopic"]),
+                other.panorama(*TOWN, responses=["photopic", "scotopic"], times=[NIGHT]),
                 other.influence(*VALLEY, limit=3),
                 other.nights(*TOWN, "2026-08"),
                 other.skies([TOWN, VALLEY]),
@@ -65,7 +65,7 @@ def test_async_answers_are_those_of_the_other_client(client, url):
 
     sky, panorama, influence, nights, skies = asyncio.run(ask())
     assert sky == client.sky(*TOWN)
-    assert panorama.identical(client.panorama(*TOWN, responses=["photopic", "scotopic"]))
+    assert panorama.identical(client.panorama(*TOWN, responses=["photopic", "scotopic"], times=[NIGHT]))
     geopandas.testing.assert_geodataframe_equal(influence, client.influence(*VALLEY, limit=3))
     pandas.testing.assert_frame_equal(nights, client.nights(*TOWN, "2026-08"))
     geopandas.testing.assert_geodataframe_equal(skies, client.skies([TOWN, VALLEY]))

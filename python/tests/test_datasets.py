@@ -81,6 +81,31 @@ def test_several_responses_have_a_dimension(client):
     assert client.panorama(*TOWN, response="dnb")["radiance_seen"].attrs["units"] == "nW cm-2 sr-1"
 
 
+def test_a_night_is_a_cube_for_zarr(client, tmp_path):
+    """Times are a dimension, numbers those of single skies; attributes and assumptions hold for all times."""
+    times = ["2026-08-12T21:00:00Z", "2026-08-12T23:00:00Z"]
+    night = client.panorama(*TOWN, times=times, responses=["photopic", "sqm"])
+    assert night["luminance"].dims == ("response", "time", "elevation", "azimuth")
+    assert night["radiance"].dims == ("time", "band", "elevation", "azimuth")
+    assert night["horizon"].dims == ("azimuth",)
+    late = client.panorama(*TOWN, time=times[1], response="sqm")
+    of_late = night.isel(time=1).sel(response="sqm")
+    for name in ("luminance", "brightness", "radiance"):
+        np.testing.assert_array_equal(of_late[name], late[name])
+    assert of_late["time"] == late["time"]
+    said = night.skyglow.assumptions
+    assert said.turbidity == 2.5
+    assert "time" not in said
+    assert "sky" not in said
+    night.to_zarr(tmp_path / "night.zarr", zarr_format=2)
+    with xarray.open_zarr(tmp_path / "night.zarr") as read:
+        xarray.testing.assert_allclose(read.load(), night)
+    with pytest.raises(ValueError, match="several times"):
+        night.sel(response="sqm").skyglow.fisheye()
+    with pytest.raises(ValueError, match="no time"):
+        client.panorama(*TOWN, times=[])
+
+
 def test_a_dataset_survives_netcdf(client, tmp_path):
     sky = client.panorama(*TOWN, time="2026-08-12T23:00:00Z")
     assert sky["time"].values == np.datetime64("2026-08-12T23:00:00")

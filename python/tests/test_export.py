@@ -16,6 +16,7 @@ from rasterio.merge import merge
 import skyglow
 import skyglow.export
 import skyglow.grids
+import skyglow.stac
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +70,17 @@ def test_the_catalogue_is_valid(mosaic):
     del broken["extent"]
     with pytest.raises(pystac.STACValidationError):
         validator.validate_core(broken, pystac.STACObjectType.COLLECTION, "1.1.0")
+
+
+def test_boxes_are_joined_across_the_antimeridian():
+    """The narrowest box around all: one whose west is east of its east, or of all longitudes, or a plain one."""
+    fiji, samoa, chukotka = (176.0, -20.0, 179.0, -15.0), (-173.0, -15.0, -171.0, -13.0), (170.0, 62.0, -170.0, 70.0)
+    assert skyglow.stac.around([fiji, samoa]) == (176.0, -20.0, -171.0, -13.0)
+    assert skyglow.stac.around([samoa, fiji, chukotka]) == (170.0, -20.0, -170.0, 70.0)
+    assert skyglow.stac.around([(8.0, 46.0, 9.0, 47.0), (7.0, 45.0, 8.0, 46.0)]) == (7.0, 45.0, 9.0, 47.0)
+    halves = [(-180.0, -60.0, 0.0, 75.0), (0.0, -60.0, 180.0, 75.0)]
+    assert skyglow.stac.around(halves) == (-180.0, -60.0, 180.0, 75.0)
+    assert skyglow.stac.around([(-180.0, -60.0, 180.0, 75.0)]) == (-180.0, -60.0, 180.0, 75.0)
 
 
 def archive(path):

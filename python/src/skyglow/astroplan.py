@@ -11,7 +11,7 @@ from astropy.coordinates import SkyCoord
 from astropy.time import Time
 
 from .astropy import SURFACE_BRIGHTNESS, NightSky
-from .client import Client
+from .questions import Questions
 
 
 class SkyBrightnessConstraint(Constraint):  # type: ignore[misc]
@@ -23,7 +23,7 @@ class SkyBrightnessConstraint(Constraint):  # type: ignore[misc]
 
     def __init__(
         self,
-        client: Client,
+        client: Questions,
         darkest: u.Quantity | None = None,
         *,
         limiting_magnitude: u.Quantity | None = None,

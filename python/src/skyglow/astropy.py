@@ -17,7 +17,7 @@ from astropy.table import QTable
 from astropy.time import Time
 
 from . import datasets
-from .client import Client
+from .questions import Questions
 
 SURFACE_BRIGHTNESS = u.mag / u.arcsec**2
 LUMINANCE = u.cd / u.m**2
@@ -34,7 +34,7 @@ class NightSky:
     """
 
     def __init__(
-        self, client: Client, location: EarthLocation, *, time_step: u.Quantity | None = None, **asked: Any
+        self, client: Questions, location: EarthLocation, *, time_step: u.Quantity | None = None, **asked: Any
     ) -> None:
         self.client = client
         self.location = location

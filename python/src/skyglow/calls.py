@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Generic, Protocol, TypeVar
 
 import geopandas
@@ -88,6 +88,17 @@ def panorama(lat: float, lon: float, asked: Mapping[str, Any]) -> Call[xarray.Da
     """The samples of a sky."""
     query = written.query({"lat": lat, "lon": lon, **asked})
     return Call(f"{SCENE}/panorama.json", lambda response: datasets.panorama(response.json()), query)
+
+
+def panoramas(
+    lat: float, lon: float, asked: Mapping[str, Any], responses: Iterable[str] | None, times: Iterable[Any] | None
+) -> list[list[Call[xarray.Dataset]]]:
+    """The samples of a sky by response and by time, where these are asked for."""
+    by_response = [{}] if responses is None else [{"response": name} for name in responses]
+    by_time = [{}] if times is None else [{"time": time} for time in times]
+    if not by_response or not by_time:
+        raise ValueError("no response or no time is asked for")
+    return [[panorama(lat, lon, {**asked, **of, **at}) for at in by_time] for of in by_response]
 
 
 def picture(lat: float, lon: float, asked: Mapping[str, Any]) -> Call[bytes]:

@@ -177,14 +177,14 @@ class AsyncClient(_Settings):
         lon: float,
         *,
         responses: Iterable[str] | None = None,
+        times: Iterable[Any] | None = None,
         scene: str | None = None,
         **asked: Any,
     ) -> xarray.Dataset:
         """See :meth:`Client.panorama`."""
-        if responses is None:
-            return await self._of_scene(calls.panorama(lat, lon, asked), scene)
-        each = [calls.panorama(lat, lon, {**asked, "response": name}) for name in responses]
-        return datasets.together([await self._of_scene(call, scene) for call in each])
+        asked_by = calls.panoramas(lat, lon, asked, responses, times)
+        skies = [[await self._of_scene(call, scene) for call in of_response] for of_response in asked_by]
+        return datasets.cube(skies, has_responses=responses is not None, has_times=times is not None)
 
     async def picture(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> bytes:
         """See :meth:`Client.picture`."""

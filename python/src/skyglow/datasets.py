@@ -181,6 +181,32 @@ def place(observer: Mapping[str, Any]) -> str:
     return f"{abs(latitude):.4f}° {north}, {abs(longitude):.4f}° {east}"
 
 
+def cube(skies: Sequence[Sequence[xarray.Dataset]], *, has_responses: bool, has_times: bool) -> xarray.Dataset:
+    """Skies of one place by response and time, along the dimensions that were asked for."""
+    by_response = [over_time(each) if has_times else each[0] for each in skies]
+    return together(by_response) if has_responses else by_response[0]
+
+
+def over_time(skies: Sequence[xarray.Dataset]) -> xarray.Dataset:
+    """Skies of one place at several times, along a dimension `time`; attributes have what holds for all times."""
+    seen = [name for name, variable in skies[0].data_vars.items() if "elevation" in variable.dims]
+    first, parts = skies[0], [sky[seen] for sky in skies]
+    whole = xarray.concat(
+        parts, dim="time", coords="minimal", compat="override", join="exact", combine_attrs="override"
+    )
+    # No variable that changes has the second dimension of the bounds, so none brings them along.
+    whole = whole.assign(horizon=first["horizon"]).assign_coords(wavelength_bounds=first["wavelength_bounds"].variable)
+    same = {name: value for name, value in first.attrs.items() if all(sky.attrs.get(name) == value for sky in skies)}
+    said: list[dict[str, Any]] = [json.loads(sky.attrs["assumptions"]) for sky in skies]
+    of_all = {name: value for name, value in said[0].items() if all(one.get(name) == value for one in said)}
+    warnings = dict.fromkeys(warning for one in said for warning in one["warnings"])
+    same["assumptions"] = json.dumps({**of_all, "warnings": list(warnings)}, ensure_ascii=False)
+    if warnings:
+        same["warnings"] = "\n".join(warnings)
+    whole.attrs = same
+    return whole
+
+
 def together(skies: Sequence[xarray.Dataset]) -> xarray.Dataset:
     """Skies of one place as several responses see them, along a dimension `response`."""
     units = {sky[name].attrs["units"] for sky in skies for name in ("luminance", "radiance_seen") if name in sky}

@@ -78,9 +78,7 @@ def cogs(
     links are relative. ``collection.json`` is the catalogue's beginning. Numbers are those of the map, bit for bit.
     """
     try:
-        import rasterio
         from rasterio.transform import Affine
-        from rasterio.warp import transform_bounds
     except ModuleNotFoundError as error:
         raise ImportError("GeoTIFFs need rasterio: pip install 'skyglow[export]'") from error
     chart, folder = baked(where, store), Path(out)
@@ -95,8 +93,7 @@ def cogs(
             path = folder / f"{chart.values.basename}-{name}.tif"
             transform = whole @ Affine.translation(columns.start, rows.start)
             _write_cog(path, values, transform, chart)
-            with rasterio.open(path) as file:
-                box = transform_bounds(file.crs, "EPSG:4326", *file.bounds)
+            box = Grid(values.shape, transform.to_gdal(), chart.grid.crs).bounds
             written.append(stac.Part(path, values.shape, tuple(transform)[:6], box))
         if progress:
             progress(done, len(blocks))

@@ -16,7 +16,7 @@ import numpy as np
 import pandas
 
 from . import datasets
-from .client import Client
+from .questions import Questions
 
 Source = str | os.PathLike[str] | TextIO
 # Of instruments that see what the model's Sky Quality Meter sees.
@@ -93,7 +93,7 @@ def read_globe_at_night(source: Source) -> pandas.DataFrame:
     return table
 
 
-def residuals(client: Client, readings: pandas.DataFrame, **asked: Any) -> geopandas.GeoDataFrame:
+def residuals(client: Questions, readings: pandas.DataFrame, **asked: Any) -> geopandas.GeoDataFrame:
     """The model beside each reading: what a Sky Quality Meter would read there and then, and the difference.
 
     ``residual_mag_arcsec2`` is reading less model: positive where it is darker than the model. The model's meter looks

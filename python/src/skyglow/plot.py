@@ -129,6 +129,8 @@ def _shown(sky: xarray.Dataset, limits: tuple[float, float]) -> tuple[np.ndarray
     """What a picture shows of a sky: magnitudes where it has them, else the value itself on a logarithmic scale."""
     if "response" in sky.dims:
         raise ValueError('the sky has several responses: sky.sel(response="photopic") takes one')
+    if "time" in sky.dims:
+        raise ValueError("the sky has several times: sky.isel(time=0) takes one")
     order = ("elevation", "azimuth")
     if "brightness" in sky and not bool(sky["brightness"].isnull().all()):
         brightest, darkest = limits

@@ -80,18 +80,19 @@ class Questions(Scenes, ABC):
         lon: float,
         *,
         responses: Iterable[str] | None = None,
+        times: Iterable[Any] | None = None,
         scene: str | None = None,
         **asked: Any,
     ) -> xarray.Dataset:
         """A sky by direction: ``luminance`` and ``brightness`` by elevation and azimuth, ``radiance`` by band.
 
         ``response=`` asks what one eye or instrument sees; ``responses=`` several, along a dimension
-        ``response``. Below the observer's horizon all is NaN.
+        ``response``. ``time=`` asks for one time, ``times=`` for several, along a dimension ``time``: ``to_zarr`` and
+        ``to_netcdf`` keep such a cube. Below the observer's horizon all is NaN.
         """
-        if responses is None:
-            return self._of_scene(calls.panorama(lat, lon, asked), scene)
-        each = [calls.panorama(lat, lon, {**asked, "response": name}) for name in responses]
-        return datasets.together([self._of_scene(call, scene) for call in each])
+        asked_by = calls.panoramas(lat, lon, asked, responses, times)
+        skies = [[self._of_scene(call, scene) for call in of_response] for of_response in asked_by]
+        return datasets.cube(skies, has_responses=responses is not None, has_times=times is not None)
 
     def picture(self, lat: float, lon: float, *, scene: str | None = None, **asked: Any) -> bytes:
         """A sky as the program draws it, as PNG: ``style="eye"``, ``projection="fisheye"`` and others."""

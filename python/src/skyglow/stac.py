@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas
 
 from .grids import Grid
@@ -38,8 +39,8 @@ def write(folder: Path, parts: Sequence[Part], about: dict[str, Any], grid: Grid
     first, last, note = _interval(about.get("date"))
     description = " ".join(part for part in (f"{shows.capitalize()}, {unit}.", str(light), note) if part)
     boxes = [part.box for part in parts]
-    whole = [min(box[0] for box in boxes), min(box[1] for box in boxes)]
-    whole += [max(box[2] for box in boxes), max(box[3] for box in boxes)]
+    # That of all, then those of the parts: where there is one, STAC takes it once alone.
+    extents = [list(around(boxes)), *(list(box) for box in boxes if len(boxes) > 1)]
     collection = pystac.Collection(
         id=f"{scene}-{parts[0].path.stem.partition('-')[0]}",
         title=f"{scene}: {shows}",
@@ -49,7 +50,7 @@ def write(folder: Path, parts: Sequence[Part], about: dict[str, Any], grid: Grid
         providers=[pystac.Provider(str(about["attribution"]), roles=[pystac.ProviderRole.PRODUCER])]
         if "attribution" in about
         else None,
-        extent=pystac.Extent(pystac.SpatialExtent([whole, *map(list, boxes)]), pystac.TemporalExtent([[first, last]])),
+        extent=pystac.Extent(pystac.SpatialExtent(extents), pystac.TemporalExtent([[first, last]])),
         extra_fields={"skyglow:assumptions": about["assumptions"]},
     )
     epsg = grid.crs.to_epsg()
@@ -83,6 +84,19 @@ def write(folder: Path, parts: Sequence[Part], about: dict[str, Any], grid: Grid
     collection.catalog_type = pystac.CatalogType.SELF_CONTAINED
     for made in (*collection.get_items(), collection):
         made.save_object(include_self_link=False)
+
+
+def around(boxes: Sequence[Box]) -> Box:
+    """The narrowest box around all, across the antimeridian where that is narrower."""
+    south, north = min(box[1] for box in boxes), max(box[3] for box in boxes)
+    wests = np.array([box[0] for box in boxes])
+    widths = np.array([(box[2] - box[0]) % 360.0 or 360.0 for box in boxes])
+    # It begins where one of them does.
+    ends = (wests - wests[:, np.newaxis]) % 360.0 + widths
+    first = int(np.argmin(ends.max(axis=1)))
+    if ends[first].max() >= 360.0:
+        return -180.0, south, 180.0, north
+    return boxes[first][0], south, boxes[int(np.argmax(ends[first]))][2], north
 
 
 def _geometry(box: Box) -> dict[str, Any]:

@@ -159,7 +159,12 @@ class SkyAlgorithm(SkyglowAlgorithm):
                 asked.append(number)
         if places:
             body = self.server(parameters, context).post(url, {"places": places}, feedback).body
-            for number, line in zip(asked, body.decode().splitlines()):
+            said = body.decode().splitlines()
+            if len(said) < len(places):
+                raise QgsProcessingException(
+                    f"The answer ended after {len(said)} of {len(places)} points: wait a little and run it again."
+                )
+            for number, line in zip(asked, said):
                 lines[number] = json.loads(line)
         return lines
 
