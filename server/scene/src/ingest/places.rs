@@ -380,8 +380,8 @@ mod tests {
         };
         let kenya = [33.9, -4.7, 41.9, 5.0];
         let (nairobi, exchanged) = (place("Nairobi", -1.29, 36.82), place("Voi", 38.56, -3.4));
-        assert_eq!(check_inside(&[nairobi.clone()], kenya), Ok(None));
-        let refused = check_inside(&[exchanged.clone()], kenya).unwrap_err();
+        assert_eq!(check_inside(std::slice::from_ref(&nairobi), kenya), Ok(None));
+        let refused = check_inside(std::slice::from_ref(&exchanged), kenya).unwrap_err();
         assert!(refused.contains("exchanged") && refused.contains("Voi"), "{refused}");
         let said = check_inside(&[nairobi, exchanged], kenya).unwrap().unwrap();
         assert!(said.starts_with("1 of 2") && said.contains("Voi"), "{said}");
