@@ -4,18 +4,9 @@ import { api, type SkyParameters } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
 import { isOfLight } from "../sky/colour-maps.ts";
 import { SkyGrid } from "../sky/grid.ts";
-import {
-  type AppState,
-  besideScene,
-  CONDITIONS,
-  coordinatesOf,
-  isCompared,
-  sceneOf,
-  skyConditions,
-  withCloudPattern,
-} from "../state/app-state.ts";
+import { type AppState, baseOf, besideScene, CONDITIONS, sceneOf, withCloudPattern } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import type { Place } from "../state/view-state.ts";
+import { requestsOf, type SkyRequests } from "./sky-requests.ts";
 
 const NO_SKY = {
   skyStage: "none",
@@ -26,26 +17,6 @@ const NO_SKY = {
   panorama: null,
   panoramaToday: null,
 } as const;
-
-/** The skies of a state. */
-interface SkyRequests {
-  shown: SkyParameters;
-  /** Whose picture is shown beside it. */
-  beside: { scene: string; query: SkyParameters } | null;
-  /** Whose numbers it is compared with: today's of painted lights, or those of today's. A plan has its own. */
-  compared: SkyParameters | null;
-}
-
-function requestsOf(state: Readonly<AppState>, scene: string, place: Place): SkyRequests {
-  const shown = { ...coordinatesOf(place), ...skyConditions(state) };
-  const { scenario, ...today } = shown;
-  const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
-  return {
-    shown,
-    beside: isCompared(state) ? { scene: besideScene(state)?.id ?? scene, query: today } : null,
-    compared: painted === null ? null : scenario === undefined ? { ...today, scenario: painted } : today,
-  };
-}
 
 function siteKey(scene: string, { lat, lon }: SkyParameters): string {
   return JSON.stringify([scene, lat, lon]);
@@ -58,7 +29,7 @@ export class SkySession {
 
   constructor(private readonly store: AppStore) {
     const inLight = ({ colours }: Readonly<AppState>) => isOfLight(colours);
-    store.watch([sceneOf, besideScene, "place", "time", "isAway", inLight, ...CONDITIONS], (state) => {
+    store.watch([sceneOf, besideScene, baseOf, "place", "time", "isAway", inLight, ...CONDITIONS], (state) => {
       const scene = sceneOf(state);
       if (scene === null || state.place === null) {
         this.cancel();
@@ -92,15 +63,16 @@ export class SkySession {
       this.store.set({ answer, skyStage: "numbers" });
       performance.measure("sky:numbers", "sky:asked");
       const both = [{ scene, query: shown }, ...(beside === null ? [] : [beside])];
-      const [answers, other, besideAnswer] = await Promise.all([
+      // What is shown is one of those that are compared, or the lights of today that both differ from.
+      const compare = (query: SkyParameters) => (query.scenario === shown.scenario ? answer : api.sky(scene, query, signal));
+      const [answers, before, after, besideAnswer] = await Promise.all([
         Promise.all(both.map((each) => api.panorama(each.scene, withCloudPattern(each.query), signal))),
-        compared === null ? null : api.sky(scene, compared, signal),
+        compared === null ? null : compare(compared.before),
+        compared === null ? null : compare(compared.after),
         beside === null || beside.scene === scene ? null : api.sky(beside.scene, beside.query, signal),
         // What draws it: whoever is told of a picture then sees one.
         import("../sky/sky-view.ts"),
       ]);
-      const isToday = shown.scenario === undefined;
-      const [before, after] = isToday ? [answer, other] : [other, answer];
       const comparison = before === null || after === null ? null : { before: before.sky, after: after.sky };
       const [panorama = null, panoramaToday = null] = answers.map((answer) => new SkyGrid(answer));
       this.store.set({ panorama, panoramaToday, comparison, besideAnswer, skyStage: "picture" });

@@ -21,9 +21,10 @@ function lead(change: Change | null): string {
   const { report } = reportWords();
   if (change === null) return "";
   if (change.kind === "scenario") {
-    const { title, changed_pixels } = change.scenario;
+    const { title, changed_pixels, base } = change.scenario;
     const name = title == null || title === "" ? "" : `${title}. `;
-    return `${name}${report.paintedLead(whole(changed_pixels))}`;
+    const on = base == null ? "" : ` ${base.startsWith("p-") ? report.withItsPlan : report.withItsBase}`;
+    return `${name}${report.paintedLead(whole(changed_pixels))}${on}`;
   }
   const { flux_removed_share, flux_removed_dnb_w, dimmed_pixels } = change.plan;
   return report.planLead(percent(flux_removed_share), withPrefix(flux_removed_dnb_w, "W"), whole(dimmed_pixels));
@@ -59,7 +60,7 @@ export function changeSection(
   const [before, now] = [today.answer.sky, after.answer.sky];
   const fluxes =
     change?.kind === "scenario" ? ([change.scenario.flux_before_dnb_w, change.scenario.flux_after_dnb_w] as const) : null;
-  const note = colourNote(before.zenith_scotopic_photopic_ratio ?? null, now.zenith_scotopic_photopic_ratio ?? null);
+  const note = colourNote(before, now);
   const alt = report.pictureOf(name);
   const shown = section(
     isPainted ? report.painted : report.plan,

@@ -5,7 +5,7 @@ import { placeWords, reportWords, words } from "../language/words.ts";
 import { brightnessMagArcsec2 } from "../photometry.ts";
 import { make } from "../ui/dom.ts";
 import { fixed, magnitude, percent, ratio, whole, withPrefix } from "../ui/format.ts";
-import { listedTowns, whereabouts } from "../ui/shares.ts";
+import { listedTowns, othersTitle, whereabouts } from "../ui/shares.ts";
 import { cell, headed, table } from "../ui/table.ts";
 import type { ReportData, ReportedSky } from "./report-data.ts";
 
@@ -89,7 +89,7 @@ export function sharesSection({ shares, areas }: ReportData): HTMLElement {
   if (!(shares.total > 0)) return section(report.shares, make("p", "", say.none));
   const { named, others, elsewhere } = listedTowns(shares, MAX_TOWNS);
   const rest = [
-    [say.others(whole(others.count)), others.share],
+    [othersTitle(others.count, named.length > 0), others.share],
     [plan.far, elsewhere],
   ] as const;
   const rows = [

@@ -59,7 +59,7 @@ export interface AppState extends ViewState {
   night: Night | null;
   /** The same hour by hour: it comes after the sky. */
   nightHours: NightHours | null;
-  /** What painted lights change: the numbers of the sky without and with them. */
+  /** What painted lights change: the numbers of the sky without and with them, both with the plan that they lie on. */
   comparison: Comparison | null;
   /** Whose light the sky is, or its marked part: it comes after the sky. */
   shares: Shares | null;
@@ -213,6 +213,12 @@ export function planOf({ change }: State): Plan | null {
 
 export function scenarioOf({ change }: State): Scenario | null {
   return change?.kind === "scenario" ? change.scenario : null;
+}
+
+/** The plan or scenario that painted lights lie on; null: those of today, or it is not known yet. */
+export function baseOf(state: State): string | null {
+  const painted = scenarioOf(state);
+  return painted !== null && painted.id === state.scenario ? (painted.base ?? null) : null;
 }
 
 /** What sees the picture of the sky. */

@@ -5,13 +5,13 @@ import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { energyRatio, type MeasureChange, measureEdit } from "../lights/measure.ts";
 import { withUndo } from "../lights/painting.ts";
-import { type AppState, scenarioOf } from "../state/app-state.ts";
+import { type AppState, baseOf, scenarioOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 import { changeTable } from "./change-table.ts";
-import { colourNote } from "./comparison.ts";
+import { baseNote, colourNote } from "./comparison.ts";
 import { byId, make } from "./dom.ts";
-import { percent } from "./format.ts";
+import { percent, whole } from "./format.ts";
 import { emissions, lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
 import { fillGroups, fillSelect } from "./select.ts";
 
@@ -94,7 +94,7 @@ export class BenchCard {
     const areasOfFile = (areaShares?.areas ?? []).slice(0, OFFERED_AREAS).map(
       ({ feature, name, share }): Where => ({
         key: `area ${areas?.fileName} ${feature}`,
-        title: bench.town(name, percent(share)),
+        title: bench.area(name, percent(share)),
         feature: features[feature - 1],
       }),
     );
@@ -158,18 +158,22 @@ export class BenchCard {
       before: numberOf(byId("bench-efficacy-before", HTMLInputElement)),
       after: numberOf(byId("bench-efficacy-after", HTMLInputElement)),
     };
+    const base = baseOf(state);
+    const { together } = placeWords().comparison;
     const known = {
-      fluxesDnbW: [scenario.flux_before_dnb_w, scenario.flux_after_dnb_w] as const,
+      // The server has them with what the measure lies on.
+      fluxesDnbW: base === null ? ([scenario.flux_before_dnb_w, scenario.flux_after_dnb_w] as const) : null,
       // Of several measures nobody knows whose energy it is.
       energyRatio: painting.done.length === 1 ? energyRatio(applied.change, efficacies) : null,
     };
-    const note = colourNote(before.zenith_scotopic_photopic_ratio ?? null, after.zenith_scotopic_photopic_ratio ?? null);
+    const count = painting.done.length;
+    const notes = [baseNote(base), count > 1 ? together(whole(count)) : "", colourNote(before, after)];
     const undo = make("button", "quiet", placeWords().bench.undo) as HTMLButtonElement;
     undo.type = "button";
     undo.addEventListener("click", () => this.lights.repaint(withUndo(this.store.state.painting)));
     this.answer.replaceChildren(
       changeTable(before, after, known),
-      ...(note === "" ? [] : [make("p", "lead", note)]),
+      ...notes.filter((note) => note !== "").map((note) => make("p", "lead", note)),
       make("div", "buttons", undo),
     );
   }

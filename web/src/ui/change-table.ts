@@ -4,7 +4,7 @@ import type { SkyQuantities } from "../api/types.ts";
 import { placeWords } from "../language/words.ts";
 import { changeOf } from "./comparison.ts";
 import { make } from "./dom.ts";
-import { fixed, magnitude, withPrefix } from "./format.ts";
+import { bothWithPrefix, fixed, magnitude } from "./format.ts";
 import { cell, headed, table } from "./table.ts";
 
 type Values = readonly [before: number | null | undefined, after: number | null | undefined];
@@ -38,7 +38,8 @@ function magRow(key: string, name: string, values: Values): HTMLElement {
 }
 
 function amountRow(key: string, name: string, [from, to]: readonly [number, number], unit: string): HTMLElement {
-  return row(key, name, withPrefix(from, unit), withPrefix(to, unit), changeOf(from, to) ?? "–");
+  const [before, after, shown] = bothWithPrefix(from, to, unit);
+  return row(key, name, `${before} ${shown}`, `${after} ${shown}`, changeOf(from, to) ?? "–");
 }
 
 export function changeTable(before: SkyQuantities, after: SkyQuantities, { fluxesDnbW, energyRatio }: LampChange): HTMLElement {

@@ -4,7 +4,7 @@ import type { SkyQuantities } from "../api/types.ts";
 import { placeWords, words } from "../language/words.ts";
 import type { Comparison } from "../state/app-state.ts";
 import { make } from "./dom.ts";
-import { decimal, fixed, magnitude, ratio, withPrefix } from "./format.ts";
+import { bothWithPrefix, decimal, fixed, magnitude, ratio } from "./format.ts";
 
 /** From this factor on a change is told as one. */
 const TOLD_AS_FACTOR = 10;
@@ -29,9 +29,8 @@ function changeRow(key: string, name: string, change: string, detail: string): H
 }
 
 function luminanceRow(key: string, name: string, before: number, after: number): HTMLElement {
-  const [from = "", unit = ""] = withPrefix(before, "cd/m²").split(" ");
-  const to = withPrefix(after, "cd/m²");
-  return changeRow(key, name, changeOf(before, after) ?? "–", `${to.endsWith(` ${unit}`) ? from : `${from} ${unit}`} → ${to}`);
+  const [from, to, unit] = bothWithPrefix(before, after, "cd/m²");
+  return changeRow(key, name, changeOf(before, after) ?? "–", `${from} → ${to} ${unit}`);
 }
 
 /** A meter's number is smaller where the sky is brighter, so it is said which it is. */
@@ -46,6 +45,12 @@ function meterRow(before: SkyQuantities, after: SkyQuantities): HTMLElement {
   return changeRow("sqm", meter, change, detail);
 }
 
+/** What painted lights lie on, which the sky before has too; empty where that is today's. */
+export function baseNote(base: string | null): string {
+  const { onPlan, onOthers } = placeWords().comparison;
+  return base === null ? "" : base.startsWith("p-") ? onPlan : onOthers;
+}
+
 /** Photopic and scotopic luminance of artificial light at the zenith and the meter's reading, before and after. */
 export function comparisonRows({ before, after }: Comparison): HTMLElement[] {
   const { comparison: say } = placeWords();
@@ -57,14 +62,19 @@ export function comparisonRows({ before, after }: Comparison): HTMLElement[] {
     luminanceRow("scotopic", responses.scotopic, before.zenith_scotopic_luminance_cd_m2, after.zenith_scotopic_luminance_cd_m2),
     meterRow(before, after),
   );
-  const note = colourNote(before.zenith_scotopic_photopic_ratio ?? null, after.zenith_scotopic_photopic_ratio ?? null);
+  const note = colourNote(before, after);
   return [make("h3", "", say.title), list, ...(note === "" ? [] : [make("p", "lead", note)])];
 }
 
-/** Whether the light is bluer or redder than before, in words; empty where it is neither. */
-export function colourNote(before: number | null, after: number | null): string {
-  if (before === null || after === null || before <= 0) return "";
-  const change = after / before - 1;
+type Colours = Pick<SkyQuantities, "zenith_scotopic_photopic_ratio" | "zenith_scotopic_luminance_cd_m2">;
+
+/** Whether the light is bluer or redder than before, and what that is to eyes at night, in words; empty where it is neither. */
+export function colourNote(before: Colours, after: Colours): string {
+  const [from, to] = [before, after].map(({ zenith_scotopic_photopic_ratio: ratio }) => ratio ?? null);
+  if (from == null || to == null || from <= 0) return "";
+  const change = to / from - 1;
   if (Math.abs(change) < SAME_COLOUR) return "";
-  return change > 0 ? placeWords().comparison.bluer : placeWords().comparison.redder;
+  const isMore = after.zenith_scotopic_luminance_cd_m2 > before.zenith_scotopic_luminance_cd_m2;
+  const { bluer, bluerYetLess, redder, redderYetMore } = placeWords().comparison;
+  return change > 0 ? (isMore ? bluer : bluerYetLess) : isMore ? redderYetMore : redder;
 }

@@ -34,18 +34,34 @@ export function shortNumber(value: number): string {
   return fixed(value, digits);
 }
 
+/** From each size on, its factor and its prefix. */
+const PREFIXES: readonly (readonly [fromSize: number, factor: number, prefix: string])[] = [
+  [1e6, 1e-6, "M"],
+  [1e4, 1e-3, "k"],
+  [1, 1, ""],
+  [1e-3, 1e3, "m"],
+  [1e-6, 1e6, "µ"],
+  [1e-9, 1e9, "n"],
+  [1e-12, 1e12, "p"],
+];
+
+function prefixOf(value: number): [factor: number, prefix: string] {
+  const size = Math.abs(value);
+  if (size === 0) return [1, ""];
+  const [, factor, prefix] = PREFIXES.find(([fromSize]) => size >= fromSize) ?? [0, 1e15, "f"];
+  return [factor, prefix];
+}
+
 /** A quantity with the prefix that keeps it between 1 and 1000. */
 export function withPrefix(value: number, unit: string): string {
-  const size = Math.abs(value);
-  if (size === 0) return `0 ${unit}`;
-  if (size >= 1e6) return `${shortNumber(value / 1e6)} M${unit}`;
-  if (size >= 1e4) return `${shortNumber(value / 1e3)} k${unit}`;
-  if (size >= 1) return `${shortNumber(value)} ${unit}`;
-  if (size >= 1e-3) return `${shortNumber(value * 1e3)} m${unit}`;
-  if (size >= 1e-6) return `${shortNumber(value * 1e6)} µ${unit}`;
-  if (size >= 1e-9) return `${shortNumber(value * 1e9)} n${unit}`;
-  if (size >= 1e-12) return `${shortNumber(value * 1e12)} p${unit}`;
-  return `${shortNumber(value * 1e15)} f${unit}`;
+  const [factor, prefix] = prefixOf(value);
+  return `${shortNumber(value * factor)} ${prefix}${unit}`;
+}
+
+/** Two values of a quantity in one unit, that of the larger. */
+export function bothWithPrefix(from: number, to: number, unit: string): [from: string, to: string, unit: string] {
+  const [factor, prefix] = prefixOf(Math.max(Math.abs(from), Math.abs(to)));
+  return [shortNumber(from * factor), shortNumber(to * factor), `${prefix}${unit}`];
 }
 
 /** A quantity in a unit that may have a prefix of its own. */
@@ -80,9 +96,9 @@ export function cardinalNames(): [north: string, east: string, south: string, we
   return [north, east, south, west];
 }
 
-/** With a point in every language: a comma parts them, and the search reads them so. */
+/** Letters part both, so that the search reads a comma in each. */
 export function coordinates(latitudeDeg: number, longitudeDeg: number): string {
   const [north, east, south, west] = cardinalNames();
-  const latitude = `${Math.abs(latitudeDeg).toFixed(4)}° ${latitudeDeg < 0 ? south : north}`;
-  return `${latitude}, ${Math.abs(longitudeDeg).toFixed(4)}° ${longitudeDeg < 0 ? west : east}`;
+  const latitude = `${fixed(Math.abs(latitudeDeg), 4)}° ${latitudeDeg < 0 ? south : north}`;
+  return `${latitude}, ${fixed(Math.abs(longitudeDeg), 4)}° ${longitudeDeg < 0 ? west : east}`;
 }

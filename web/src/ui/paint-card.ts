@@ -5,20 +5,16 @@ import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { type PaintChange, type Painting, type PaintKind, withRedo, withUndo } from "../lights/painting.ts";
 import type { Brush } from "../map/painter.ts";
-import { type Comparison, scenarioOf } from "../state/app-state.ts";
+import { baseOf, type Comparison, scenarioOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { comparisonRows } from "./comparison.ts";
+import { baseNote, changeOf, comparisonRows } from "./comparison.ts";
 import { byId, make } from "./dom.ts";
-import { fixed, whole, withPrefix } from "./format.ts";
+import { bothWithPrefix, whole } from "./format.ts";
 import { wireGroup } from "./group.ts";
 import { emissions, lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
 import { fillGroups, fillSelect } from "./select.ts";
 
 const KINDS: readonly PaintKind[] = ["factor", "lamp", "emission", "add"];
-
-function flux(fluxDnbW: number): string {
-  return withPrefix(fluxDnbW, "W");
-}
 
 export class PaintCard {
   private readonly kind = byId("paint-kind", HTMLSelectElement);
@@ -67,7 +63,9 @@ export class PaintCard {
     });
     store.watch(["painting", "lamp"], ({ painting, lamp }) => this.showLamps(lamp, painting));
     store.watch(["painting"], ({ painting }) => this.showPainting(painting));
-    store.watch([scenarioOf, "comparison"], (state) => this.showScenario(scenarioOf(state), state.comparison));
+    store.watch([scenarioOf, "comparison"], (state) => {
+      this.showScenario(scenarioOf(state), state.comparison, baseOf(state));
+    });
   }
 
   /** What a stroke does to the lights below it. */
@@ -111,18 +109,22 @@ export class PaintCard {
     if (document.activeElement !== this.title) this.title.value = title;
   }
 
-  private showScenario(scenario: Scenario | null, comparison: Comparison | null): void {
+  private showScenario(scenario: Scenario | null, comparison: Comparison | null, base: string | null): void {
     if (scenario === null) {
       this.answer.replaceChildren();
       return;
     }
     const { changed_pixels, new_pixels, flux_before_dnb_w, flux_after_dnb_w } = scenario;
-    const change = flux_before_dnb_w > 0 ? (100 * (flux_after_dnb_w - flux_before_dnb_w)) / flux_before_dnb_w : NaN;
-    const share = Number.isFinite(change) ? ` (${change > 0 ? "+" : ""}${fixed(change, Math.abs(change) < 9.95 ? 1 : 0)} %)` : "";
-    const { changed, changedSomeDark, upward } = placeWords().paint;
+    const change = changeOf(flux_before_dnb_w, flux_after_dnb_w);
+    const [from, to, unit] = bothWithPrefix(flux_before_dnb_w, flux_after_dnb_w, "W");
+    const { changed, changedSomeDark, upward, againstToday } = placeWords().paint;
     const pixels = new_pixels > 0 ? changedSomeDark(whole(changed_pixels), whole(new_pixels)) : changed(whole(changed_pixels));
-    const lights = make("p", "", `${pixels}. ${upward(flux(flux_before_dnb_w), flux(flux_after_dnb_w))}${share}.`);
-    this.answer.replaceChildren(...(comparison === null ? [] : comparisonRows(comparison)), lights);
+    const sentences = `${pixels}. ${upward(from, `${to} ${unit}`)}${change === null ? "" : ` (${change})`}.`;
+    // The server tells them with what is painted over.
+    const lights = make("p", "", base === null ? sentences : `${againstToday} ${sentences}`);
+    const note = baseNote(base);
+    const rows = comparison === null ? [] : [...comparisonRows(comparison), ...(note === "" ? [] : [make("p", "lead", note)])];
+    this.answer.replaceChildren(...rows, lights);
   }
 
   private update(): void {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { PlaceShare, Shares } from "../api/types.ts";
 import { loadWords } from "../language/words.ts";
-import { listedTowns } from "./shares.ts";
+import { listedTowns, othersTitle } from "./shares.ts";
 
 await loadWords("place");
 
@@ -32,4 +32,12 @@ test("few towns are named, and none is lost", () => {
   const one = of([0.876, 0.004]);
   assert.deepEqual([one.named.length, one.others.count], [1, 8]);
   assert.ok(Math.abs(one.others.share - 0.104) < 1e-12);
+});
+
+/** One town is one, and none are others where no town is named. */
+test("towns that are not named are counted", () => {
+  assert.deepEqual(
+    [othersTitle(1, true), othersTitle(8, true), othersTitle(1, false), othersTitle(1200, false)],
+    ["1 other town", "8 other towns", "1 town", "1,200 towns"],
+  );
 });

@@ -28,6 +28,13 @@ export function listedTowns(
   return { named, others: { count: unnamed.length + other_places_count, share }, elsewhere: elsewhere.share };
 }
 
+/** What the towns that are not named are called, which are others only below named ones. */
+export function othersTitle(count: number, isBelowNamed: boolean): string {
+  const { others, other, towns, town } = placeWords().shares;
+  if (count === 1) return isBelowNamed ? other : town;
+  return isBelowNamed ? others(whole(count)) : towns(whole(count));
+}
+
 /** `goTo` moves the map so that a town is in view. */
 export function mountShares(store: AppStore, goTo: (town: NamedPlace) => void): void {
   const section = byId("shares", HTMLElement);
@@ -72,7 +79,7 @@ function townRows(store: AppStore, shares: Shares, goTo: (town: NamedPlace) => v
     return make("li", "", button);
   });
   const rest: [string, number][] = [
-    [say.others(whole(others.count)), others.share],
+    [othersTitle(others.count, named.length > 0), others.share],
     [placeWords().plan.far, elsewhere],
   ];
   const restRows = rest

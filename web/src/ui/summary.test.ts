@@ -74,6 +74,7 @@ test("stars are told in round numbers", () => {
 test("the glow is told by its towns", () => {
   const of = (...shares: number[]) => ({
     measure: "zenith",
+    elsewhere: { share: 0.04 },
     places: shares.map((share, i) => ({ share, name: ["Milano", "Como", "Lecco"][i] })) as never[],
   });
   assert.equal(glowSentence(answerOf({}), of(0.641, 0.118, 0.1)), "64 % of the glow comes from Milano, 12 % from Como.");
@@ -83,4 +84,11 @@ test("the glow is told by its towns", () => {
   assert.equal(glowSentence(answerOf({ ratio_to_natural: 0.002 }), of(0.9)), "");
   assert.equal(glowSentence(answerOf({}, 1, nightOf({ sun: 1e3 }, 12, -10, null)), of(0.9)), "");
   assert.equal(glowSentence(answerOf({}), of()), "");
+  // Flares and mines are no town.
+  const far = (share: number, ...shares: number[]) => glowSentence(answerOf({}), { ...of(...shares), elsewhere: { share } });
+  assert.match(far(0.991, 0.004), /^Most of the glow \(99 %\) comes from lights far from any town, .* fishing fleets\.$/);
+  assert.match(far(0.7), /^Most of the glow \(70 %\)/);
+  assert.match(far(0.4, 0.3, 0.1), /^40 % of the glow comes from lights far from any town, .* fleets, 30 % from Milano\.$/);
+  assert.match(far(0.2, 0.03), /^20 % of the glow comes from lights far/);
+  assert.equal(far(0.3, 0.6), "60 % of the glow comes from Milano.");
 });

@@ -87,16 +87,27 @@ export function summaryOf(answer: Summarized): string[] {
   return [first, milkyWay(answer), stars].filter((sentence) => sentence !== "");
 }
 
+type Glow = Pick<Shares, "measure" | "places"> & { elsewhere: Pick<Shares["elsewhere"], "share"> };
+
 /** Whose light it is overhead, in a sentence; empty where there is nothing to say. */
-export function glowSentence({ sky, night_sky }: Summarized, { measure, places }: Pick<Shares, "measure" | "places">): string {
+export function glowSentence({ sky, night_sky }: Summarized, { measure, places, elsewhere }: Glow): string {
   const say = placeWords().summary;
   const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
   const [first, ...others] = places;
-  if (measure !== "zenith" || first === undefined || isDay || sky.ratio_to_natural < PRISTINE_RATIO) return "";
+  if (measure !== "zenith" || isDay || sky.ratio_to_natural < PRISTINE_RATIO) return "";
   const percent = (share: number) => whole(Math.round(100 * share));
+  const too = (towns: Shares["places"], count: number) =>
+    towns
+      .filter(({ share }, i) => share >= NAMED_SHARE && i < count)
+      .map(({ share, name }) => say.glowToo(percent(share), name))
+      .join("");
+  const { share: far } = elsewhere;
+  // Lights that are no town's may be the most of all.
+  if (far >= NAMED_SHARE && far > (first?.share ?? 0))
+    return (far > 0.5 ? say.glowMostlyFar : say.glowFar)(percent(far), too(places, MAX_NAMED - 1));
+  if (first === undefined) return "";
   if (first.share < NAMED_SHARE) return say.glowOfMany(whole(Math.ceil(100 * first.share)));
-  const named = others.filter(({ share }, i) => share >= NAMED_SHARE && i < MAX_NAMED - 1);
-  return say.glow(percent(first.share), first.name, named.map(({ share, name }) => say.glowToo(percent(share), name)).join(""));
+  return say.glow(percent(first.share), first.name, too(others, MAX_NAMED - 1));
 }
 
 export function mountSummary(store: AppStore): void {

@@ -4,8 +4,8 @@ import { ApiError, describeProblem, problemLine } from "../api/problem.ts";
 import { typeset } from "../api/units.ts";
 import { loadWords, words } from "../language/words.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
-import { changeOf, colourNote } from "./comparison.ts";
-import { coordinates, ratio, withPrefix } from "./format.ts";
+import { baseNote, changeOf, colourNote } from "./comparison.ts";
+import { bothWithPrefix, coordinates, ratio, withPrefix } from "./format.ts";
 import { lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
 import { scaleEnds } from "./layer-legend.ts";
 import { distanceAndBearing, placeName } from "./nearby.ts";
@@ -190,8 +190,32 @@ test("changes are told in percent or as factors", () => {
   assert.equal(changeOf(1, 1.0001), "±0 %");
   assert.equal(changeOf(1, 25), "25 ×");
   assert.equal(changeOf(0, 1), null);
-  assert.match(colourNote(0.6, 1.7), /bluer/);
-  assert.match(colourNote(1.7, 0.6), /redder/);
-  assert.equal(colourNote(1.2, 1.22), "");
-  assert.equal(colourNote(null, 1), "");
+});
+
+/** A bluer light of which eyes at night see less than before is not said to be more to them. */
+test("the colour is told with what eyes see of it", () => {
+  const note = (from: number | null, to: number, scotopic: [number, number]) =>
+    colourNote(
+      { zenith_scotopic_photopic_ratio: from, zenith_scotopic_luminance_cd_m2: scotopic[0] },
+      { zenith_scotopic_photopic_ratio: to, zenith_scotopic_luminance_cd_m2: scotopic[1] },
+    );
+  assert.match(note(0.6, 1.7, [1, 2]), /bluer.*see more of it\.$/);
+  assert.match(note(1.2, 1.5, [1, 0.71]), /bluer.*lose less of it than/);
+  assert.match(note(1.7, 0.6, [2, 1]), /redder.*see less of it\.$/);
+  assert.match(note(1.7, 1.5, [1, 2]), /redder.*see more of it, though less/);
+  assert.deepEqual([note(1.2, 1.22, [1, 2]), note(null, 1, [1, 2])], ["", ""]);
+});
+
+/** Before and after are told in one unit, that of the larger. */
+test("before and after have one unit", () => {
+  assert.deepEqual(bothWithPrefix(13_500, 8568, "W"), ["13.5", "8.57", "kW"]);
+  assert.deepEqual(bothWithPrefix(0, 2.5e-4, "cd/m²"), ["0", "250", "µcd/m²"]);
+  assert.deepEqual(bothWithPrefix(0, 0, "lx"), ["0", "0", "lx"]);
+});
+
+/** What painted lights lie on is said, for their numbers leave it out. */
+test("what a measure lies on is said", () => {
+  assert.match(baseNote("p-1"), /the plan that this lies on/);
+  assert.match(baseNote("s-1"), /the changed lights that this lies on/);
+  assert.equal(baseNote(null), "");
 });

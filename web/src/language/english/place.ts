@@ -91,6 +91,11 @@ export const place = {
     /** `more`: others with their parts, or nothing. */
     glow: (percent: string, town: string, more: string) => `${percent} % of the glow comes from ${town}${more}.`,
     glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
+    /** Most of all, or more than of any town, is no town's light. */
+    glowMostlyFar: (percent: string, more: string) =>
+      `Most of the glow (${percent} %) comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
+    glowFar: (percent: string, more: string) =>
+      `${percent} % of the glow comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
     glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
   },
   /** Whose light the sky is. */
@@ -102,7 +107,11 @@ export const place = {
     here: "here",
     away: (distanceKm: string, compass: string) => `${distanceKm} km ${compass}`,
     show: "Show on the map",
+    /** `count`: of towns that are not named, below some that are, or alone. */
     others: (count: string) => `${count} other towns`,
+    other: "1 other town",
+    towns: (count: string) => `${count} towns`,
+    town: "1 town",
     areas: "Our municipality or areas",
     areasLead: "A GeoJSON file of boundaries: each area gets its share under its own name.",
     file: "GeoJSON file",
@@ -237,7 +246,16 @@ export const place = {
     brighter: (mag: string) => `${mag} brighter`,
     darker: (mag: string) => `${mag} darker`,
     bluer: "The light is bluer than before. Eyes adapted to the dark, which look at stars, see more of it.",
+    bluerYetLess:
+      "The light is bluer than before. Eyes adapted to the dark, which look at stars, lose less of it than eyes adapted to light.",
     redder: "The light is redder than before. Eyes adapted to the dark, which look at stars, see less of it.",
+    redderYetMore:
+      "The light is redder than before. Eyes adapted to the dark, which look at stars, see more of it, though less so than eyes adapted to light.",
+    /** What painted lights lie on. */
+    onPlan: "“Before” is the sky with the plan that this lies on, not that of today: the plan's own effect is not counted here.",
+    onOthers:
+      "“Before” is the sky with the changed lights that this lies on, not that of today: their own effect is not counted here.",
+    together: (count: string) => `These are the numbers of all ${count} changes together.`,
   },
   /** Classes 1 to 9. */
   bortle: [
@@ -289,6 +307,7 @@ export const place = {
     where: "Where",
     /** `share`: of the light overhead. */
     town: (name: string, share: string) => `${name}, ${share} of the light`,
+    area: (name: string, share: string) => `${name} (area), ${share} of the light`,
     radius: "Around each town",
     from: "Replace",
     to: "By",
@@ -335,6 +354,8 @@ export const place = {
     full: "A scenario holds at most a hundred edits. Undo some, or begin anew.",
     changed: (pixels: string) => `${pixels} pixels changed`,
     changedSomeDark: (pixels: string, dark: string) => `${pixels} pixels changed, ${dark} of them dark before`,
+    /** Then what is said of the pixels and their light. */
+    againstToday: "Against the lights of today, with what this lies on:",
     upward: (before: string, after: string) => `Upward light: ${before} → ${after}`,
   },
   meter: {

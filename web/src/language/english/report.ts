@@ -42,6 +42,8 @@ export const report = {
     planLead: (share: string, flux: string, dimmed: string) =>
       `The plan takes ${share} of the light within 300 km away (${flux} upward, as the satellite sees it), from ${dimmed} lit pixels of the map.`,
     paintedLead: (pixels: string) => `${pixels} lit pixels of the map have other lights.`,
+    withItsPlan: "The numbers include the effect of the plan that this lies on.",
+    withItsBase: "The numbers include the effect of the changed lights that this lies on.",
     what: "What",
     effect: "Whose light is dimmed, by its part in the plan's effect",
     assumptions: "What was assumed",

@@ -80,6 +80,10 @@ export const place: PlaceWords = {
     ],
     glow: (percent, town, more) => `${percent} % der Aufhellung stammen aus ${town}${more}.`,
     glowToo: (percent, town) => `, ${percent} % aus ${town}`,
+    glowMostlyFar: (percent, more) =>
+      `Der größte Teil der Aufhellung (${percent} %) stammt von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
+    glowFar: (percent, more) =>
+      `${percent} % der Aufhellung stammen von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
     glowOfMany: (percent) => `Die Aufhellung stammt aus vielen Städten, aus jeder höchstens ${percent} %.`,
     stars: (visible, all) => `Man sieht etwa ${visible} von ${all} Sternen.`,
   },
@@ -92,6 +96,9 @@ export const place: PlaceWords = {
     away: (distanceKm, compass) => `${distanceKm} km ${compass}`,
     show: "Auf der Karte zeigen",
     others: (count) => `${count} weitere Städte`,
+    other: "1 weitere Stadt",
+    towns: (count) => `${count} Städte`,
+    town: "1 Stadt",
     areas: "Unsere Gemeinde oder Gebiete",
     areasLead: "Eine GeoJSON-Datei mit Grenzen: jedes Gebiet erhält seinen Anteil unter seinem Namen.",
     file: "GeoJSON-Datei",
@@ -216,6 +223,15 @@ export const place: PlaceWords = {
     brighter: (mag) => `${mag} heller`,
     darker: (mag) => `${mag} dunkler`,
     bluer: "Das Licht ist blauer als zuvor. Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, sehen davon mehr.",
+    bluerYetLess:
+      "Das Licht ist blauer als zuvor. Für Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, nimmt es weniger ab als für helladaptierte.",
+    redderYetMore:
+      "Das Licht ist röter als zuvor. Für Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, nimmt es zu, doch weniger als für helladaptierte.",
+    onPlan:
+      "„Vorher“ ist der Himmel mit dem Plan, auf dem dies aufbaut, nicht der heutige: Was der Plan selbst bewirkt, zählt hier nicht mit.",
+    onOthers:
+      "„Vorher“ ist der Himmel mit den geänderten Lichtern, auf denen dies aufbaut, nicht der heutige: Was sie selbst bewirken, zählt hier nicht mit.",
+    together: (count) => `Die Zahlen gelten für alle ${count} Änderungen zusammen.`,
     redder: "Das Licht ist röter als zuvor. Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, sehen davon weniger.",
   },
   bortle: [
@@ -264,6 +280,7 @@ export const place: PlaceWords = {
     lead: "Eine Maßnahme für Orte oder Flächen: andere Lampen, Abschirmung, weniger Licht. Was sie hier am Himmel ändert, steht darunter.",
     where: "Wo",
     town: (name, share) => `${name}, ${share} des Lichts`,
+    area: (name, share) => `${name} (Fläche), ${share} des Lichts`,
     radius: "Um jeden Ort",
     from: "Ersetzen",
     to: "Durch",
@@ -311,6 +328,7 @@ export const place: PlaceWords = {
     full: "Ein Szenario fasst höchstens hundert Änderungen. Einige rückgängig machen oder neu beginnen.",
     changed: (pixels) => `${pixels} Pixel geändert`,
     changedSomeDark: (pixels, dark) => `${pixels} Pixel geändert, ${dark} davon zuvor dunkel`,
+    againstToday: "Gegenüber den heutigen Lichtern, mit dem, worauf dies aufbaut:",
     upward: (before, after) => `Licht nach oben: ${before} → ${after}`,
   },
   meter: {

@@ -38,6 +38,8 @@ export const report: ReportWords = {
     planLead: (share, flux, dimmed) =>
       `Der Plan nimmt ${share} des Lichts im Umkreis von 300 km weg (${flux} nach oben, wie der Satellit es sieht), aus ${dimmed} leuchtenden Pixeln der Karte.`,
     paintedLead: (pixels) => `${pixels} leuchtende Pixel der Karte haben andere Lichter.`,
+    withItsPlan: "Die Zahlen schließen die Wirkung des Plans ein, auf dem dies aufbaut.",
+    withItsBase: "Die Zahlen schließen die Wirkung der geänderten Lichter ein, auf denen dies aufbaut.",
     what: "Was",
     effect: "Wessen Licht gedimmt wird, nach seinem Teil an der Wirkung",
     assumptions: "Was angenommen wurde",

@@ -109,7 +109,7 @@ export const server: ServerWords = {
     ],
     [
       "latitude {}, longitude {} lies outside the scene, which reaches from west {} south {} to east {} north {}",
-      "die Breite {} und Länge {} liegt außerhalb der Szene; sie reicht von West {} Süd {} bis Ost {} Nord {}",
+      "der Ort bei Breite {} und Länge {} liegt außerhalb der Szene; sie reicht von West {} Süd {} bis Ost {} Nord {}",
     ],
     ["there is no such tile: {}", "diese Kachel gibt es nicht: {}"],
     ["the server is busy; try again in {} s", "der Server ist ausgelastet; in {} s noch einmal versuchen"],
