@@ -1,6 +1,6 @@
 // Errors of the server in words that a person can act on.
 
-import { asSentence, mistakeIn, own, type Said, sentenceIn, titleIn } from "../language/server-words.ts";
+import { asSentence, mistakeIn, own, type Said, sentenceIn, titleIn, withShortNumbers } from "../language/server-words.ts";
 import { loadServerWords, serverWords, words } from "../language/words.ts";
 import type { Problem } from "./types.ts";
 
@@ -58,14 +58,15 @@ export function describeProblem(reason: unknown): ProblemText {
   if (problem.type === undefined)
     return { headline: own(message), sentences: problem.detail === undefined ? [] : [own(problem.detail)] };
   const spoken = serverWords();
+  const sentenceOf = (text: string) => sentenceIn(withShortNumbers(text), spoken);
   const mistakes = (problem.errors ?? []).map(({ parameter, value, message: mistake, code, allowed }): Said => {
-    const name = value === undefined || value === null ? parameter : `${parameter} = ${value}`;
-    const said = mistakeIn(mistake, code, spoken);
-    const sentence = words().problems.allowed(name, said.text, sentenceIn(allowed, spoken).text);
+    const name = value === undefined || value === null ? parameter : `${parameter} = ${withShortNumbers(value)}`;
+    const said = mistakeIn(withShortNumbers(mistake), code, spoken);
+    const sentence = words().problems.allowed(name, said.text, sentenceOf(allowed).text);
     return { text: sentence, isEnglish: said.isEnglish };
   });
   // The detail says the same of mistakes.
-  const detail = mistakes.length > 0 || problem.detail === undefined ? [] : [asSentence(sentenceIn(problem.detail, spoken))];
+  const detail = mistakes.length > 0 || problem.detail === undefined ? [] : [asSentence(sentenceOf(problem.detail))];
   return { headline: titleIn(message, problem.type, spoken), sentences: [...detail, ...mistakes] };
 }
 

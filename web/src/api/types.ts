@@ -19,6 +19,7 @@ export type {
   PanoramaAnswer,
   PlaceShare,
   PlanAnswer as Plan,
+  PlannedSite,
   Problem,
   ScenarioAnswer as Scenario,
   SharesAnswer as Shares,
@@ -26,6 +27,7 @@ export type {
   TileJson,
 } from "./schema.ts";
 export type Scene = SceneAnswer;
+
 export type NamedPlace = PlaceAnswer;
 export type Site = SiteAnswer;
 export type SkyQuantities = QuantitiesAnswer;

@@ -1,6 +1,7 @@
 // Boundaries that somebody chose as a file: what the server is sent, and the names that its properties hold.
 
 import type { AreasBody } from "../api/client.ts";
+import { ApiError } from "../api/problem.ts";
 
 /** Boundaries by name. */
 export interface Areas {
@@ -26,6 +27,15 @@ export function nameFields(features: readonly { properties?: Properties | null }
     .filter(([, value]) => typeof value === "string" || typeof value === "number")
     .map(([name]) => name);
   return [...new Set(names)].slice(0, MAX_FIELDS);
+}
+
+/** Why a file is refused for good, whatever else is asked; null where it may be taken later. */
+export function refusalOf(reason: unknown): "outside" | "swapped" | "unreadable" | null {
+  if (!(reason instanceof ApiError) || reason.status < 400 || reason.status >= 500) return null;
+  const ofFile = (reason.problem.errors ?? []).filter(({ parameter }) => /^(boundary|body|features\[\d+\])$/.test(parameter));
+  const outside = ofFile.find(({ message }) => message.startsWith("holds no pixel"));
+  if (outside !== undefined) return outside.message.includes("look like latitude") ? "swapped" : "outside";
+  return ofFile.length > 0 || reason.status === 413 ? "unreadable" : null;
 }
 
 /** Reads a file; null where it is no GeoJSON. */

@@ -2,10 +2,11 @@
 
 import { type AreaSharesQuery, api, type SharesQuery } from "../api/client.ts";
 import { isWithoutAnswer } from "../api/problem.ts";
+import { placeWords } from "../language/words.ts";
 import { type AppState, areaSharesQuery, CONDITIONS, sceneOf, sharesQuery } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { debounced } from "../ui/dom.ts";
-import type { Areas } from "./areas.ts";
+import { type Areas, refusalOf } from "./areas.ts";
 
 /** Towns that are asked for; the rest are summed up. */
 export const LISTED_TOWNS = 12;
@@ -56,7 +57,7 @@ export class SharesSession {
         api.shares(scene, { ...query, limit: LISTED_TOWNS }, signal),
         areas === null || state.place === null
           ? null
-          : this.areaShares(scene, areaSharesQuery(state, state.place, areas), areas.body, signal),
+          : this.areaShares(scene, areaSharesQuery(state, state.place, areas), areas, signal),
       ]);
       if (signal.aborted) return;
       this.store.set({ shares, areaShares, isSharing: false });
@@ -68,13 +69,20 @@ export class SharesSession {
     }
   }
 
-  /** Areas that the server cannot read are told and left out; towns are shown all the same. */
-  private async areaShares(scene: string, query: AreaSharesQuery, body: Areas["body"], signal: AbortSignal) {
+  /** Areas that the server cannot read are told once and forgotten; towns are shown all the same. */
+  private async areaShares(scene: string, query: AreaSharesQuery, areas: Areas, signal: AbortSignal) {
     try {
-      return await api.areaShares(scene, query, body, signal);
+      return await api.areaShares(scene, query, areas.body, signal);
     } catch (reason) {
       if (signal.aborted || isWithoutAnswer(reason)) throw reason;
-      this.store.report(reason);
+      const refusal = refusalOf(reason);
+      if (refusal !== null) {
+        this.requestedAreas = null;
+        this.store.set({ areas: null });
+      }
+      const { outsideScene, swapped } = placeWords().shares;
+      const words = { outside: outsideScene, swapped, unreadable: null }[refusal ?? "unreadable"];
+      this.store.report(words === null ? reason : new Error(words(areas.fileName)));
       return null;
     }
   }

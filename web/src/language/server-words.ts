@@ -31,6 +31,14 @@ function filledIn(value: string, spoken: ServerWords): string {
   return /^-?\d+\.\d+$/.test(value) ? value.replace(".", spoken.decimalSign) : (translated(value, spoken) ?? value);
 }
 
+/** Numbers with as many digits as people need: four decimals of a degree are ten metres. */
+export function withShortNumbers(text: string): string {
+  return text.replace(/(?<![\w.])-?\d+\.\d{5,}(?![\w.])/g, (number) => {
+    const value = Number(number);
+    return String(Math.abs(value) < 0.1 ? Number(value.toPrecision(4)) : Number(value.toFixed(4)));
+  });
+}
+
 /** A sentence of the server; null where nobody has translated it. */
 function translated(text: string, spoken: ServerWords): string | null {
   for (const [english, own] of spoken.sentences) {

@@ -12,11 +12,13 @@ import {
   influenceQuery,
   isCompared,
   planOf,
+  scenarioOf,
   sceneOf,
   todaysConditions,
 } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { LAYERS, type LayerName, type MapMeasure, mapMeasure, type Place } from "../state/view-state.ts";
+import { sideTitles } from "../ui/beside.ts";
 import { byId } from "../ui/dom.ts";
 import type { LayerRequest } from "./raster-layers.ts";
 import type { SkyMap } from "./sky-map.ts";
@@ -101,7 +103,9 @@ export class MapPanel {
     });
     store.watch(["influences"], ({ influences }) => map.showLights(influences));
     store.watch(["brush"], ({ brush }) => map.setBrush(brush));
-    store.watch([isCompared, "split"], (state) => map.compare(isCompared(state) ? state.split : null));
+    store.watch([isCompared, "split", sceneOf, besideScene, scenarioOf], (state) => {
+      map.compare(isCompared(state) ? { part: state.split, titles: sideTitles(state) } : null);
+    });
     store.watch([planOf, "lights"], (state) => {
       void map.showDimmed((state.lights === "today" ? null : planOf(state)?.pixels) ?? NOTHING);
     });

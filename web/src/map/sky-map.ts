@@ -203,9 +203,9 @@ export class SkyMap {
     this.swipe?.showLayer(name, today);
   }
 
-  /** A map of today reaches this part of the width from the left, 0 to 1; null: there is none. */
-  compare(part: number | null): void {
-    if (part === null) {
+  /** A map of today reaches a part of the width from the left, 0 to 1, and both sides have titles; null: there is none. */
+  compare(sides: { part: number; titles: [left: string, right: string] } | null): void {
+    if (sides === null) {
       this.swipe?.remove();
       this.swipe = null;
       return;
@@ -216,7 +216,8 @@ export class SkyMap {
         this.swipe = new Swipe(this.map, this.shared, this.events);
         if (this.basemap !== null) void this.swipe.showBasemap(this.basemap);
       }
-      this.swipe.setSplit(part);
+      this.swipe.setSplit(sides.part);
+      this.swipe.setTitles(sides.titles);
     } catch (reason) {
       // The two skies are still there to be compared.
       this.cannotCompare = true;

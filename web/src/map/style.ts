@@ -14,6 +14,9 @@ const EMPTY: GeoJSONSourceSpecification = { type: "geojson", data: { type: "Feat
 /** Scene rasters are put below this layer, so that borders and names stay readable. */
 export const FIRST_LAYER_ABOVE_TILES = "borders";
 
+/** Where names stand at their towns, the best first. */
+export const NAME_ANCHORS = ["left", "right", "top", "bottom"] as const;
+
 const halo = { "text-halo-color": "rgba(5, 8, 16, 0.9)", "text-halo-width": 1.4 };
 
 /** A stroke as wide as the brush on the ground, or a thin line around an area that is being drawn. */
@@ -95,7 +98,7 @@ const layers: LayerSpecification[] = [
       "text-field": ["get", "name"],
       "text-font": FONT,
       "text-size": ["interpolate", ["linear"], ["coalesce", ["get", "population"], 0], 0, 11, 100000, 12, 3000000, 15],
-      "text-variable-anchor": ["left", "right", "top", "bottom"],
+      "text-variable-anchor": [...NAME_ANCHORS],
       "text-radial-offset": 0.6,
       "text-justify": "auto",
       "text-padding": 6,

@@ -7,6 +7,7 @@ import type { LayerName } from "../state/view-state.ts";
 import { make } from "../ui/dom.ts";
 import { nightMap } from "./night-map.ts";
 import { type LayerRequest, RasterLayers } from "./raster-layers.ts";
+import { NAME_ANCHORS } from "./style.ts";
 import { addBasemap } from "./vector-basemap.ts";
 
 export interface SwipeEvents {
@@ -18,12 +19,20 @@ export interface SwipeEvents {
 /** What both maps show: outlines and names by the name of their source. */
 export type SharedData = ReadonlyMap<string, GeoJSON>;
 
+/** A name that may stand on several sides of its town stands where the map's own history left it: two maps would not agree. */
+function placeNamesAlike(map: MapLibreMap, isAlike: boolean): void {
+  const place = () => map.setLayoutProperty("places", "text-variable-anchor", isAlike ? [NAME_ANCHORS[0]] : [...NAME_ANCHORS]);
+  if (map.getLayer("places") === undefined) void map.once("load", place);
+  else place();
+}
+
 export class Swipe {
   private readonly map: MapLibreMap;
   private readonly styled: Promise<unknown>;
   private readonly layers: RasterLayers;
   private readonly container = make("div", "swipe-map");
-  private readonly line = make("div", "swipe-line", make("div", "swipe-handle"));
+  private readonly titles = [make("span", "swipe-left"), make("span", "swipe-right")] as const;
+  private readonly line = make("div", "swipe-line", make("div", "swipe-handle"), ...this.titles);
   private readonly follow: () => void;
   private isRemoved = false;
 
@@ -50,6 +59,8 @@ export class Swipe {
     this.layers = new RasterLayers(this.map, this.styled, (_, state) => {
       if (state.kind === "failed") events.failed(state.reason);
     });
+    // Names that cross the line stand at the same place on both sides of it.
+    for (const map of [this.map, main]) placeNamesAlike(map, true);
     this.follow = () => this.map.jumpTo({ center: main.getCenter(), zoom: main.getZoom() });
     this.main.on("move", this.follow);
     for (const [name, data] of shared) void this.setData(name, data);
@@ -84,8 +95,14 @@ export class Swipe {
     this.line.style.left = `${100 * part}%`;
   }
 
+  /** What each side shows, beside the line: one note below the map would stand under both. */
+  setTitles(titles: readonly [left: string, right: string]): void {
+    for (const [i, title] of this.titles.entries()) title.textContent = titles[i] ?? "";
+  }
+
   remove(): void {
     this.isRemoved = true;
+    placeNamesAlike(this.main, false);
     this.main.off("move", this.follow);
     this.layers.stop();
     this.map.remove();

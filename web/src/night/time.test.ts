@@ -13,6 +13,7 @@ import {
   hoursText,
   moonParts,
   rangeOf,
+  shownHours,
   timeOf,
 } from "./time.ts";
 
@@ -101,4 +102,18 @@ test("clocks are those of the place", () => {
   assert.deepEqual(clockAt(midnight, 80, 345), { offsetMinutes: 345, name: "UTC+5:45" });
   assert.equal(clockAt(midnight, 1, 0).name, "UTC");
   assert.equal(hoursText(4.0999), "4 h 06 min");
+});
+
+/** The last hour of 06:00 before a sunrise at 07:45 would stand on it. */
+test("hours stand clear of the ends of the line", () => {
+  const at = (time: string) => Date.parse(`2026-11-29T${time}:00Z`);
+  const night = { fromMs: at("15:40"), untilMs: at("15:40") + 16 * 3_600_000 + 300_000 };
+  const clock = { offsetMinutes: 0, name: "UTC" };
+  const hours = shownHours(night, clock).map((ms) => new Date(ms).getUTCHours());
+  assert.deepEqual(hours, [20, 22, 0, 2, 4]);
+  const short = { fromMs: at("20:10"), untilMs: at("20:10") + 6.5 * 3_600_000 };
+  assert.deepEqual(
+    shownHours(short, { ...clock, offsetMinutes: 60 }).map((ms) => new Date(ms).getUTCHours()),
+    [22, 23, 0, 1],
+  );
 });

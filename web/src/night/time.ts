@@ -105,3 +105,20 @@ export function hoursText(hours: number): string {
   const minutes = Math.round(hours * 60);
   return placeWords().time.hours(String(Math.floor(minutes / 60)), String(minutes % 60).padStart(2, "0"));
 }
+
+/** Hours that are written below a line are at least this part of its length apart: so wide is a time on a phone. */
+const MIN_HOUR_STEP = 0.11;
+/** The first and the last time stand inside the line's ends, and reach farther in. */
+const MIN_END_STEP = 0.165;
+
+/** Whole hours that are written below the line of a night, clear of the times at its ends. */
+export function shownHours({ fromMs, untilMs }: Part, { offsetMinutes }: Clock): number[] {
+  const lengthMs = untilMs - fromMs;
+  const step = [1, 2, 3, 4, 6].find((hours) => (hours * HOUR_MS) / lengthMs >= MIN_HOUR_STEP) ?? 12;
+  const offsetMs = offsetMinutes * MINUTE_MS;
+  const first = Math.ceil((fromMs + offsetMs) / (step * HOUR_MS)) * step * HOUR_MS - offsetMs;
+  const hours: number[] = [];
+  for (let ms = first; ms < untilMs; ms += step * HOUR_MS)
+    if (Math.min(ms - fromMs, untilMs - ms) / lengthMs >= MIN_END_STEP) hours.push(ms);
+  return hours;
+}

@@ -4,7 +4,7 @@ import type { NamedPlace } from "../api/types.ts";
 import { placeWords, reportWords, words } from "../language/words.ts";
 import type { Change } from "../lights/plan-request.ts";
 import { changeTable } from "../ui/change-table.ts";
-import { colourNote } from "../ui/comparison.ts";
+import { colourNote, plannedChange } from "../ui/comparison.ts";
 import { make } from "../ui/dom.ts";
 import { percent, whole, withPrefix } from "../ui/format.ts";
 import { effectByTown } from "../ui/plan-card.ts";
@@ -61,13 +61,15 @@ export function changeSection(
   const fluxes =
     change?.kind === "scenario" ? ([change.scenario.flux_before_dnb_w, change.scenario.flux_after_dnb_w] as const) : null;
   const note = colourNote(before, now);
+  // A plan may be for several places: the sky here is that of the first.
+  const [site] = change?.kind === "plan" ? change.plan.sites : [];
   const alt = report.pictureOf(name);
   const shown = section(
     isPainted ? report.painted : report.plan,
     ...(change === null ? [] : [make("p", "lead", lead(change))]),
     picture(today, PICTURE_HEIGHT_PX, alt, seenBy(report.today, eye)),
     picture(after, PICTURE_HEIGHT_PX, alt, seenBy(isPainted ? asPainted : withPlan, eye)),
-    changeTable(before, now, { fluxesDnbW: fluxes, energyRatio: null }),
+    changeTable(before, now, { fluxesDnbW: fluxes, energyRatio: null, planned: site === undefined ? null : plannedChange(site) }),
     ...(note === "" ? [] : [make("p", "note", note)]),
     ...effect(change, places),
   );

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Scene } from "../api/types.ts";
+import { searchedPlaces } from "../ui/search.ts";
 import {
   besideScene,
   bestFirst,
@@ -132,6 +133,29 @@ test("the scene is that of the place", () => {
   assert.equal(at(-17, -179), "fiji");
   assert.equal(at(-17, 0), null);
   assert.deepEqual(bestFirst(scenes)[3]?.id, "demo");
+});
+
+/** Of scenes of one land the newest is shown, whatever their order; one of a part of it comes before. */
+test("of several years the newest is shown", () => {
+  const scene = (id: string, date: string | null, east = 42) => ({ id, date, bounds: [34, -5, east, 5] }) as unknown as Scene;
+  const nairobi = { latitude_deg: -1.29, longitude_deg: 36.82 };
+  const shown = (scenes: Scene[], current: string | null = null) => sceneFor({ scenes, scene: current }, nairobi)?.id;
+  const [y2020, y2023] = [scene("y2020", "2020"), scene("y2023", "2023", 42.1)];
+  assert.deepEqual([shown([y2020, y2023]), shown([y2023, y2020]), shown([y2020, y2023], "y2020")], ["y2023", "y2023", "y2020"]);
+  assert.equal(shown([scene("march", "2023-03"), y2020, scene("span", "2022-01/2023-11"), scene("may", "2023-05-17")]), "span");
+  assert.equal(shown([scene("year", "2023"), scene("may", "2023-05")]), "year");
+  assert.equal(shown([y2020, scene("unknown", null)]), "y2020");
+  assert.equal(shown([scene("africa", "2024", 90), y2020]), "y2020");
+  const demo = { ...scene("demo", "2025"), illustrative: true };
+  assert.equal(shown([demo, { ...y2020, illustrative: false }]), "y2020");
+  // The search lists it once, under that scene.
+  const found = { ...nairobi, name: "Nairobi", population: 1 };
+  const scenes = [y2020, y2023].map((each) => ({ ...each, title: each.id }));
+  assert.deepEqual(
+    searchedPlaces([found, { ...found }], { scenes, scene: null }).map(({ sceneTitle }) => sceneTitle),
+    ["y2023"],
+  );
+  assert.equal(searchedPlaces([found], { scenes, scene: "y2020" })[0]?.sceneTitle, undefined);
 });
 
 /** Two colour scales over each other say nothing: one is on at a time. Terrain has no colours. */

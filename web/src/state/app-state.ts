@@ -195,11 +195,31 @@ export function bestFirst(scenes: readonly Scene[]): Scene[] {
   return [...scenes].sort((a, b) => Number(a.illustrative) - Number(b.illustrative));
 }
 
-/** The scene that has a place: the one that is shown if it does, else a measured one, the smallest; null where none does. */
+/** Scenes of one land in other years may differ by some pixels at their edges. */
+const SAME_SIZE = 1.1;
+
+/** The last day that a scene's date names, for order alone; those without a date come first. */
+function lastDay({ date }: Scene): string {
+  const [last = ""] = (date ?? "").match(/\d{4}(-\d{2}){0,2}/g)?.slice(-1) ?? [];
+  // The whole of a year or a month ends with it.
+  return last === "" ? "" : `${last}-99-99`.slice(0, 10);
+}
+
+/**
+ * The scene that has a place: the one that is shown if it does, else a measured one, the smallest, and of several as small the newest;
+ * null where none does.
+ */
 export function sceneFor({ scenes, scene }: Pick<State, "scenes" | "scene">, place: Place): Scene | null {
   const there = scenes.filter(({ bounds }) => isInside(bounds, place));
-  const smallest = bestFirst(there.sort((a, b) => sizeOf(a.bounds) - sizeOf(b.bounds)));
-  return there.find(({ id }) => id === scene) ?? smallest[0] ?? null;
+  const shown = there.find(({ id }) => id === scene);
+  if (shown !== undefined) return shown;
+  const [smallest] = bestFirst(there.sort((a, b) => sizeOf(a.bounds) - sizeOf(b.bounds)));
+  if (smallest === undefined) return null;
+  const alike = there.filter(
+    ({ bounds, illustrative }) => illustrative === smallest.illustrative && sizeOf(bounds) <= SAME_SIZE * sizeOf(smallest.bounds),
+  );
+  // Where the dates say nothing, the smallest stays.
+  return alike.reduce((newest, other) => (lastDay(other) > lastDay(newest) ? other : newest), smallest);
 }
 
 /** The packs under the clouds of the state. */

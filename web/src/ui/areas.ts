@@ -21,6 +21,8 @@ export function mountAreas(store: AppStore): void {
   });
   store.watch(["areas"], ({ areas }) => {
     byId("areas-name-field", HTMLElement).hidden = areas === null || areas.fields.length < 2;
+    // One that is forgotten can be chosen again.
+    if (areas === null) file.value = "";
     if (areas === null) return;
     const usual = ["", placeWords().shares.usualName] as const;
     fillSelect(nameField, [usual, ...areas.fields.map((name) => [name, name] as const)], areas.nameField ?? "");

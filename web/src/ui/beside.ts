@@ -1,8 +1,8 @@
 // Another scene of the same place, such as of another year, beside the one that is shown: which, and how much the sky differs.
 
 import type { Scene, SkyAnswer } from "../api/types.ts";
-import { placeWords } from "../language/words.ts";
-import { besideScene, otherScenes, sceneOf } from "../state/app-state.ts";
+import { placeWords, words } from "../language/words.ts";
+import { type AppState, besideScene, otherScenes, scenarioOf, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId } from "./dom.ts";
 import { magnitude, percent } from "./format.ts";
@@ -25,6 +25,14 @@ export function besideSentence(answer: Pick<SkyAnswer, "sky">, other: Pick<SkyAn
   const amount = percent(Math.abs(share));
   const first = Math.abs(share) < SAME_SHARE ? say.same(year) : share > 0 ? say.brighter(amount, year) : say.darker(amount, year);
   return `${first} ${say.zenith(from ?? "", to ?? "")}`;
+}
+
+/** What the two sides of a comparison show: two years, or the lights of today and others. */
+export function sideTitles(state: Readonly<AppState>): [left: string, right: string] {
+  const { withPlan, asPainted, today } = words().sky;
+  const [scene, beside] = [sceneOf(state), besideScene(state)];
+  if (scene !== null && beside !== null) return [yearOf(beside, scene), yearOf(scene, beside)];
+  return [today, scenarioOf(state) === null ? withPlan : asPainted];
 }
 
 export function mountBeside(store: AppStore): void {

@@ -2,7 +2,7 @@
 
 import type { SkyQuantities } from "../api/types.ts";
 import { placeWords } from "../language/words.ts";
-import { changeOf } from "./comparison.ts";
+import { changeOf, type plannedChange } from "./comparison.ts";
 import { make } from "./dom.ts";
 import { bothWithPrefix, fixed, magnitude } from "./format.ts";
 import { cell, headed, table } from "./table.ts";
@@ -11,6 +11,8 @@ type Values = readonly [before: number | null | undefined, after: number | null 
 
 /** What is known besides the sky. */
 export interface LampChange {
+  /** What a plan was to reduce, where that is none of the other rows. */
+  planned?: ReturnType<typeof plannedChange>;
   /** Upward flux of the changed pixels, DNB watts. */
   fluxesDnbW: readonly [before: number, after: number] | null;
   /** Energy of the lamps after over before; null where nobody knows. */
@@ -42,7 +44,11 @@ function amountRow(key: string, name: string, [from, to]: readonly [number, numb
   return row(key, name, `${before} ${shown}`, `${after} ${shown}`, changeOf(from, to) ?? "–");
 }
 
-export function changeTable(before: SkyQuantities, after: SkyQuantities, { fluxesDnbW, energyRatio }: LampChange): HTMLElement {
+export function changeTable(
+  before: SkyQuantities,
+  after: SkyQuantities,
+  { fluxesDnbW, energyRatio, planned = null }: LampChange,
+): HTMLElement {
   const { numbers, comparison: say } = placeWords();
   const ofBoth = (
     from: number | null | undefined,
@@ -50,6 +56,9 @@ export function changeTable(before: SkyQuantities, after: SkyQuantities, { fluxe
     show: (values: [number, number]) => HTMLElement,
   ) => (from == null || to == null ? [] : [show([from, to])]);
   const rows = [
+    ...(planned === null
+      ? []
+      : [row("planned", planned.name, `${planned.from} ${planned.unit}`, `${planned.to} ${planned.unit}`, planned.change)]),
     ...(energyRatio === null
       ? []
       : [row("energy", say.energy, "100 %", `${fixed(100 * energyRatio, 0)} %`, changeOf(1, energyRatio) ?? "–")]),

@@ -1,7 +1,9 @@
 // What changed lights change for eyes by day, eyes at night, and a meter.
 
-import type { SkyQuantities } from "../api/types.ts";
+import type { PlannedSite, SkyQuantities } from "../api/types.ts";
+import { typeset } from "../api/units.ts";
 import { placeWords, words } from "../language/words.ts";
+import type { PlanMeasure } from "../lights/plan-request.ts";
 import type { Comparison } from "../state/app-state.ts";
 import { make } from "./dom.ts";
 import { bothWithPrefix, decimal, fixed, magnitude, ratio } from "./format.ts";
@@ -43,6 +45,31 @@ function meterRow(before: SkyQuantities, after: SkyQuantities): HTMLElement {
   const size = fixed(Math.abs(to - from), 2);
   const change = Number(Math.abs(to - from).toFixed(2)) === 0 ? "±0" : to < from ? brighter(size) : darker(size);
   return changeRow("sqm", meter, change, detail);
+}
+
+/** Title of the measure that a plan reduces. */
+export function measureTitle(measure: string): string {
+  const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
+  const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
+  return known[measure as PlanMeasure] ?? measure;
+}
+
+/** What a plan was to reduce, where that is another measure than those of every comparison: its title, values and change. */
+export function plannedChange(
+  site: Pick<PlannedSite, "measure" | "before" | "after" | "unit">,
+): Readonly<Record<"name" | "from" | "to" | "unit" | "change", string>> | null {
+  const { measure, before, after } = site;
+  if (measure === "zenith") return null;
+  const [from, to, unit] = bothWithPrefix(before, after, typeset(site.unit));
+  return { name: measureTitle(measure), from, to, unit, change: changeOf(before, after) ?? "–" };
+}
+
+/** The same as a row. */
+export function plannedRow(site: PlannedSite): HTMLElement[] {
+  const planned = plannedChange(site);
+  if (planned === null) return [];
+  const { name, from, to, unit, change } = planned;
+  return [make("dl", "number-list comparison", changeRow("planned", name, change, `${from} → ${to} ${unit}`))];
 }
 
 /** What painted lights lie on, which the sky before has too; empty where that is today's. */

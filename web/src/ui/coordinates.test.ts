@@ -1,6 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { page as german } from "../language/german/page.ts";
+import { words } from "../language/words.ts";
 import { placeFromText } from "./coordinates.ts";
+import { coordinates } from "./format.ts";
 
 function assertRead(text: string, latitudeDeg: number, longitudeDeg: number): void {
   const place = placeFromText(text);
@@ -64,4 +67,20 @@ test("what is no place is not read", () => {
     "12 Main Street, 5",
   ])
     assert.equal(placeFromText(text), null, text);
+});
+
+/** Coordinates are written as a language writes numbers, and what the page writes it also reads. */
+test("what the page writes is read", () => {
+  const english = { ...words() };
+  const place = { latitude_deg: -46.53, longitude_deg: 8.1234 };
+  const written = () => coordinates(place.latitude_deg, place.longitude_deg);
+  assert.equal(written(), "46.5300° S, 8.1234° E");
+  assert.deepEqual(placeFromText(written()), place);
+  Object.assign(words(), { decimalSign: german.decimalSign, compass: german.compass });
+  try {
+    assert.equal(written(), "46,5300° S, 8,1234° O");
+    assert.deepEqual(placeFromText(written()), place);
+  } finally {
+    Object.assign(words(), english);
+  }
 });

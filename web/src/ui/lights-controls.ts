@@ -4,7 +4,7 @@ import { placeWords, words } from "../language/words.ts";
 import { besideScene, isCompared, scenarioOf, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { LightsKind } from "../state/view-state.ts";
-import { yearOf } from "./beside.ts";
+import { sideTitles } from "./beside.ts";
 import { byId } from "./dom.ts";
 import { wireGroup } from "./group.ts";
 
@@ -24,12 +24,11 @@ export function mountLightsControls(store: AppStore): void {
     split.setAttribute("aria-valuetext", placeWords().plan.percent(split.value));
   });
   store.watch([scenarioOf, besideScene, sceneOf], (state) => {
-    const { withPlan, asPainted, today } = words().sky;
-    const [scene, beside] = [sceneOf(state), besideScene(state)];
+    const { withPlan, asPainted } = words().sky;
     // One name for one thing: beside the slider too.
     const name = scenarioOf(state) === null ? withPlan : asPainted;
     byId("lights-changed", HTMLButtonElement).textContent = name;
-    const [left, right] = scene === null || beside === null ? [today, name] : [yearOf(beside, scene), yearOf(scene, beside)];
+    const [left, right] = sideTitles(state);
     byId("split-before", HTMLElement).textContent = left;
     byId("split-changed", HTMLElement).textContent = right;
   });

@@ -2,12 +2,12 @@
 
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
-import { placeWords, words } from "../language/words.ts";
+import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
-import { LISTED_PIXELS, type PlanMeasure } from "../lights/plan-request.ts";
+import { LISTED_PIXELS } from "../lights/plan-request.ts";
 import { planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
-import { comparisonRows } from "./comparison.ts";
+import { comparisonRows, measureTitle, plannedRow } from "./comparison.ts";
 import { byId, make } from "./dom.ts";
 import { fixed, magnitude, percent, whole, withPrefix } from "./format.ts";
 import { nearestPlace, placeName } from "./nearby.ts";
@@ -15,13 +15,6 @@ import { PlanForm } from "./plan-form.ts";
 
 /** Number of towns that are named; the rest are summed up. */
 const NAMED_TOWNS = 6;
-
-/** Title of the measure that a plan reduces. */
-function measureWords(measure: string): string {
-  const { zenith, mean, horizontal, norm, regionOfSky: region } = words().measures;
-  const known: Record<PlanMeasure, string> = { zenith, mean, horizontal, norm, region };
-  return known[measure as PlanMeasure] ?? measure;
-}
 
 /** Around which towns the dimmed pixels lie, with their parts of the plan's effect, the largest first. */
 export function effectByTown(pixels: readonly DimmedPixel[], places: readonly NamedPlace[]): [string, number][] {
@@ -60,7 +53,7 @@ export class PlanCard {
   /** What the plan reaches, and why not more; screen readers announce it. */
   private goals(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
     return plan.sites.flatMap((site) => {
-      const where = measureWords(site.measure);
+      const where = measureTitle(site.measure);
       const name = placeName(site.observer, places);
       const reached = make(
         "p",
@@ -101,7 +94,7 @@ export class PlanCard {
               ),
             ]),
       );
-      return [numbers, ...comparisonRows({ before: sky_before, after: sky_after })];
+      return [numbers, ...plannedRow(site), ...comparisonRows({ before: sky_before, after: sky_after })];
     });
     const light = make(
       "p",

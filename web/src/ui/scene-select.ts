@@ -2,8 +2,9 @@
 
 import type { Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
-import { sceneOf } from "../state/app-state.ts";
+import { besideScene, sceneOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
+import { sideTitles } from "./beside.ts";
 import { byId } from "./dom.ts";
 
 /** Whether a text already calls the scene illustrative. */
@@ -15,9 +16,10 @@ function option({ id, title, illustrative }: Scene): HTMLOptionElement {
   return new Option(illustrative && !saysIllustrative(title) ? words().scene.illustrativeTitle(title) : title, id);
 }
 
-function note({ illustrative, date, attribution }: Scene): string {
+/** `when`: of both scenes where two are shown side by side. */
+function note({ illustrative, attribution }: Scene, when: string): string {
   const warning = illustrative && !saysIllustrative(attribution ?? "") ? words().scene.illustrative : "";
-  return [warning, date ?? "", attribution ?? ""].filter((part) => part !== "").join(" · ");
+  return [warning, when, attribution ?? ""].filter((part) => part !== "").join(" · ");
 }
 
 export function mountSceneSelect(store: AppStore): void {
@@ -30,11 +32,12 @@ export function mountSceneSelect(store: AppStore): void {
     // A choice of one is none.
     byId("scene-field", HTMLElement).hidden = scenes.length < 2;
   });
-  store.watch([sceneOf], (state) => {
+  store.watch([sceneOf, besideScene], (state) => {
     const scene = sceneOf(state);
     if (scene === null) return;
     select.value = scene.id;
-    container.textContent = note(scene);
+    const isBeside = besideScene(state) !== null;
+    container.textContent = note(scene, isBeside ? words().scene.sides(...sideTitles(state)) : (scene.date ?? ""));
     container.classList.toggle("illustrative", scene.illustrative);
   });
 }

@@ -3,6 +3,7 @@
 import { api } from "../api/client.ts";
 import type { NamedPlace } from "../api/types.ts";
 import { words } from "../language/words.ts";
+import { type AppState, sceneFor } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { Place } from "../state/view-state.ts";
 import { placeFromText } from "./coordinates.ts";
@@ -42,6 +43,17 @@ export function matchingPlaces<P extends NamedPlace>(places: readonly P[], text:
     .sort((a, b) => Number(a.at > 0) - Number(b.at > 0) || (b.place.population ?? 0) - (a.place.population ?? 0))
     .slice(0, MAX_RESULTS)
     .map(({ place }) => place);
+}
+
+/** Places of other scenes, each once, under the scene that it is shown in: several may have it. */
+export function searchedPlaces(places: readonly NamedPlace[], state: Pick<AppState, "scenes" | "scene">): SearchedPlace[] {
+  const once = new Map(
+    places.map((place) => [`${place.name} ${place.latitude_deg.toFixed(2)} ${place.longitude_deg.toFixed(2)}`, place]),
+  );
+  return [...once.values()].map((place) => {
+    const scene = sceneFor(state, place);
+    return scene === null || scene.id === state.scene ? place : { ...place, sceneTitle: scene.title };
+  });
 }
 
 export class Search {
@@ -119,14 +131,9 @@ export class Search {
     this.asked = asked;
     const { signal } = new AbortController();
     // A scene whose places do not come is not searched.
-    const found = await Promise.all(
-      others.map(async ({ id, title }) => {
-        const places = await api.places(id, signal).catch((): NamedPlace[] => []);
-        return places.map((place) => ({ ...place, sceneTitle: title }));
-      }),
-    );
+    const found = await Promise.all(others.map(({ id }) => api.places(id, signal).catch((): NamedPlace[] => [])));
     if (this.asked !== asked) return;
-    this.others = found.flat();
+    this.others = searchedPlaces(found.flat(), this.store.state);
     if (document.activeElement === this.input) this.lookUp();
   }
 

@@ -17,6 +17,7 @@ import {
   moonParts,
   type Part,
   rangeOf,
+  shownHours,
   timeOf,
 } from "../night/time.ts";
 import { darkWeekend, middleOfDark, twoMonths } from "../night/weekend.ts";
@@ -26,13 +27,9 @@ import { byId, debounced, make } from "./dom.ts";
 import { whole } from "./format.ts";
 import { bestOf, bestText, drawNightCurve } from "./night-curve.ts";
 
-const HOUR_MS = 60 * MINUTE_MS;
-const DAY_MS = 24 * HOUR_MS;
+const DAY_MS = 24 * 60 * MINUTE_MS;
 /** A slider at rest for this long changes the sky. */
 const WAIT_MS = 60;
-/** Hours that are written below the line are at least this part of its length apart. */
-const MIN_HOUR_STEP = 0.11;
-
 export class TimeLine {
   private readonly slider = byId("time", HTMLInputElement);
   private readonly date = byId("night-date", HTMLInputElement);
@@ -170,21 +167,11 @@ export function nightText(night: Night, clock: Clock): string {
 
 /** Sunset, sunrise, and whole hours between them. */
 function hourMarks({ fromMs, untilMs }: Part, clock: Clock): HTMLElement[] {
-  const lengthMs = untilMs - fromMs;
-  const step = [1, 2, 3, 4, 6].find((hours) => (hours * HOUR_MS) / lengthMs >= MIN_HOUR_STEP) ?? 12;
-  const localMs = (ms: number) => ms + clock.offsetMinutes * MINUTE_MS;
-  const marks: HTMLElement[] = [];
-  const mark = (atMs: number, text: string, className: string) => {
-    const element = make("span", className, text);
-    element.style.left = `${(100 * (atMs - fromMs)) / lengthMs}%`;
-    marks.push(element);
+  const mark = (atMs: number, className = "") => {
+    const element = make("span", className, clockTime(atMs, clock));
+    element.style.left = `${(100 * (atMs - fromMs)) / (untilMs - fromMs)}%`;
+    return element;
   };
-  mark(fromMs, clockTime(fromMs, clock), "first");
-  const first = Math.ceil(localMs(fromMs) / (step * HOUR_MS)) * step * HOUR_MS - clock.offsetMinutes * MINUTE_MS;
-  for (let ms = first; ms < untilMs; ms += step * HOUR_MS) {
-    const isFree = Math.min(ms - fromMs, untilMs - ms) / lengthMs >= MIN_HOUR_STEP;
-    if (isFree) mark(ms, clockTime(ms, clock), "");
-  }
-  mark(untilMs, clockTime(untilMs, clock), "last");
-  return marks;
+  const hours = shownHours({ fromMs, untilMs }, clock).map((atMs) => mark(atMs));
+  return [mark(fromMs, "first"), ...hours, mark(untilMs, "last")];
 }

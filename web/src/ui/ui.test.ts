@@ -4,7 +4,7 @@ import { ApiError, describeProblem, problemLine } from "../api/problem.ts";
 import { typeset } from "../api/units.ts";
 import { loadWords, words } from "../language/words.ts";
 import { cloudBases, cloudsTitle, packsUnder } from "./clouds.ts";
-import { baseNote, changeOf, colourNote } from "./comparison.ts";
+import { baseNote, changeOf, colourNote, plannedChange } from "./comparison.ts";
 import { bothWithPrefix, coordinates, ratio, withPrefix } from "./format.ts";
 import { lampGroups, lamps, lampsIn, lampTitle } from "./lamps.ts";
 import { scaleEnds } from "./layer-legend.ts";
@@ -115,6 +115,12 @@ test("a problem becomes a headline and sentences", () => {
     headline: { text: "Outside the range that is resident", isEnglish: true },
     sentences: [{ text: "turbidity = 100: is out of range. Allowed: 1.5 to 6.", isEnglish: true }],
   });
+  const outside = new ApiError(404, {
+    type: "/problems/outside-scene",
+    title: "The place lies outside the scene",
+    detail: "latitude 20, longitude 100 lies outside the scene, which reaches from west 33.90833333333333 south -4.720833333333333",
+  });
+  assert.match(describeProblem(outside).sentences[0]?.text ?? "", /from west 33\.9083 south -4\.7208\.$/);
   const busy = new ApiError(503, { type: "/problems/busy", title: "The server is busy", detail: "try again in 3 s" });
   assert.deepEqual(problemLine(busy), { text: "The server is busy. Try again in 3 s.", isEnglish: true });
   assert.deepEqual(problemLine(new Error("no WebGL")).isEnglish, false);
@@ -211,6 +217,15 @@ test("before and after have one unit", () => {
   assert.deepEqual(bothWithPrefix(13_500, 8568, "W"), ["13.5", "8.57", "kW"]);
   assert.deepEqual(bothWithPrefix(0, 2.5e-4, "cd/m²"), ["0", "250", "µcd/m²"]);
   assert.deepEqual(bothWithPrefix(0, 0, "lx"), ["0", "0", "lx"]);
+});
+
+/** A plan for the marked part says what that becomes; the zenith has its row already. */
+test("a plan says what its measure becomes", () => {
+  const site = { measure: "region", before: 2.5e-4, after: 1.75e-4, unit: "cd m-2" };
+  const planned = plannedChange(site);
+  assert.deepEqual({ ...planned, name: "" }, { name: "", from: "250", to: "175", unit: "µcd/m²", change: "−30 %" });
+  assert.match(planned?.name ?? "", /marked/);
+  assert.equal(plannedChange({ ...site, measure: "zenith" }), null);
 });
 
 /** What painted lights lie on is said, for their numbers leave it out. */

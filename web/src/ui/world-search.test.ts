@@ -11,8 +11,9 @@ const found = (name: string, country: string, latitudeDeg: number, scene: string
   scene,
 });
 const SCENES = [
-  { id: "alps", title: "The Alps" },
-  { id: "kenya", title: "Kenya" },
+  { id: "alps", title: "The Alps", bounds: [5, 43, 15, 49] },
+  { id: "kenya", title: "Kenya", date: "2020", bounds: [5, -5, 42, 5] },
+  { id: "kenya2023", title: "Kenya 2023", date: "2023", bounds: [5, -5, 42, 5] },
 ] as Scene[];
 
 /** Finds say their country and another scene; what is listed already under another name, and nothing else, is left out. Places without a scene come last, and are three at most. */
@@ -29,7 +30,7 @@ test("finds of the world say their scene", () => {
   assert.deepEqual(
     worldResults(places, [milano], SCENES, "alps").map(({ title, detail, isCovered }) => [title, detail, isCovered]),
     [
-      ["Mili", "Kenya · Kenya", true],
+      ["Mili", "Kenya · Kenya 2023", true],
       ["Milezzo", "Italy", true],
       ["Milas", "Türkiye · no scene covers it", false],
     ],

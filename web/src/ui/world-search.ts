@@ -3,6 +3,7 @@
 import { api } from "../api/client.ts";
 import type { FoundPlace, NamedPlace, Scene } from "../api/types.ts";
 import { words } from "../language/words.ts";
+import { sceneFor } from "../state/app-state.ts";
 import { debounced } from "./dom.ts";
 
 const WAIT_MS = 180;
@@ -43,10 +44,11 @@ export function worldResults(
   const results = found
     .filter((place) => !listed.some((other) => isNear(place, other)))
     .map((place) => {
-      const scene = scenes.find(({ id }) => id === place.scene);
-      const where = scene === undefined ? words().top.notCovered : scene.id === shown ? "" : scene.title;
+      // The page goes to the newest of several scenes that have it.
+      const scene = scenes.some(({ id }) => id === place.scene) ? sceneFor({ scenes, scene: shown }, place) : null;
+      const where = scene === null ? words().top.notCovered : scene.id === shown ? "" : scene.title;
       const detail = [countryName(place.country), where].filter((part) => part !== "").join(" · ");
-      return { title: place.name, detail, place, isCovered: scene !== undefined };
+      return { title: place.name, detail, place, isCovered: scene !== null };
     });
   const covered = results.filter(({ isCovered }) => isCovered);
   return [...covered, ...results.filter(({ isCovered }) => !isCovered).slice(0, MAX_UNCOVERED)];

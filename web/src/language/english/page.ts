@@ -28,6 +28,8 @@ export const page = {
   },
   scene: {
     illustrativeTitle: (title: string) => `${title} (illustrative)`,
+    /** Of two scenes side by side. */
+    sides: (left: string, right: string) => `left ${left}, right ${right}`,
     illustrative: "Illustrative: made up for demonstration, not measured.",
     illustrativeNote: "Illustrative scene: made up for demonstration, not measured.",
   },

@@ -122,6 +122,8 @@ export const place = {
     outside: "All others",
     save: "Save as CSV",
     forget: "Remove",
+    outsideScene: (file: string) => `${file} is removed: none of its areas lies in the map's scene.`,
+    swapped: (file: string) => `${file} is removed: its positions look like latitude, longitude; GeoJSON has the longitude first.`,
     noGeojson: (file: string) => `${file} is no GeoJSON file.`,
   },
   /** Darker places nearby. */

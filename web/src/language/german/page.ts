@@ -24,6 +24,7 @@ export const page: PageWords = {
   },
   scene: {
     illustrativeTitle: (title) => `${title} (Beispiel)`,
+    sides: (left, right) => `links ${left}, rechts ${right}`,
     illustrative: "Beispiel: zur Vorführung erfunden, nicht gemessen.",
     illustrativeNote: "Beispielszene: zur Vorführung erfunden, nicht gemessen.",
   },

@@ -108,6 +108,8 @@ export const place: PlaceWords = {
     outside: "Alle anderen",
     save: "Als CSV speichern",
     forget: "Entfernen",
+    outsideScene: (file) => `${file} ist entfernt: keines der Gebiete liegt in der Szene der Karte.`,
+    swapped: (file) => `${file} ist entfernt: die Positionen sehen nach Breite, Länge aus; in GeoJSON steht die Länge zuerst.`,
     noGeojson: (file) => `${file} ist keine GeoJSON-Datei.`,
   },
   darker: {
