@@ -61,7 +61,7 @@ export function plannedChange(
   const { measure, before, after } = site;
   if (measure === "zenith") return null;
   const [from, to, unit] = bothWithPrefix(before, after, typeset(site.unit));
-  return { name: measureTitle(measure), from, to, unit, change: changeOf(before, after) ?? "–" };
+  return { name: placeWords().comparison.planned(measureTitle(measure)), from, to, unit, change: changeOf(before, after) ?? "–" };
 }
 
 /** The same as a row. */

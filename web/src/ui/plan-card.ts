@@ -94,7 +94,7 @@ export class PlanCard {
               ),
             ]),
       );
-      return [numbers, ...plannedRow(site), ...comparisonRows({ before: sky_before, after: sky_after })];
+      return [...plannedRow(site), numbers, ...comparisonRows({ before: sky_before, after: sky_after })];
     });
     const light = make(
       "p",

@@ -253,6 +253,8 @@ export const place = {
     redder: "The light is redder than before. Eyes adapted to the dark, which look at stars, see less of it.",
     redderYetMore:
       "The light is redder than before. Eyes adapted to the dark, which look at stars, see more of it, though less so than eyes adapted to light.",
+    /** `where`: such as "in the marked part of the sky". */
+    planned: (where: string) => `Artificial, ${where}`,
     /** What painted lights lie on. */
     onPlan: "“Before” is the sky with the plan that this lies on, not that of today: the plan's own effect is not counted here.",
     onOthers:

@@ -229,6 +229,7 @@ export const place: PlaceWords = {
       "Das Licht ist blauer als zuvor. Für Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, nimmt es weniger ab als für helladaptierte.",
     redderYetMore:
       "Das Licht ist röter als zuvor. Für Augen, die sich ans Dunkel gewöhnt haben und Sterne sehen, nimmt es zu, doch weniger als für helladaptierte.",
+    planned: (where) => `Künstlich, ${where}`,
     onPlan:
       "„Vorher“ ist der Himmel mit dem Plan, auf dem dies aufbaut, nicht der heutige: Was der Plan selbst bewirkt, zählt hier nicht mit.",
     onOthers:
