@@ -180,3 +180,32 @@ test("areas show their shares on the map", async () => {
     await context.close();
   }
 });
+
+/** A file that holds no pixel of the scene is told of once and forgotten: other air asks for the towns alone. */
+test("an area outside the scene is told once", async () => {
+  const opened = await openPage(browser, fragment(here.beside));
+  const { page, context } = opened;
+  await page.waitForSelector("#shares-list button");
+  await page.click("#shares summary");
+  const west = here.scene.bounds[2] + 5;
+  const ring = [
+    [west, 0],
+    [west + 1, 0],
+    [west + 1, 1],
+    [west, 0],
+  ];
+  const feature = { type: "Feature", properties: { name: "Far" }, geometry: { type: "Polygon", coordinates: [ring] } };
+  const buffer = Buffer.from(JSON.stringify(feature));
+  await page.setInputFiles("#areas-file", { name: "far.geojson", mimeType: "application/geo+json", buffer });
+  await page.waitForSelector("#notice:not([hidden])");
+  assert.match(await page.locator("#notice").textContent(), /far.geojson is removed: none of its areas lies in the map's scene/);
+  await page.click("#notice .notice-close");
+  const [answer] = await Promise.all([
+    page.waitForResponse((response) => response.url().includes("/shares?") && response.url().includes("lamp=hps")),
+    page.selectOption("#lamp", "hps"),
+  ]);
+  assert.equal(answer.request().method(), "GET");
+  await page.waitForSelector("#shares[aria-busy=false]");
+  assert.ok(await page.locator("#notice").isHidden());
+  await context.close();
+});
