@@ -50,7 +50,7 @@ test("a town painted dark darkens the sky beside it", async () => {
   );
   await numbersShown(page, dark);
   assert.equal(await page.locator("#lights-changed").textContent(), "As painted");
-  assert.match((await page.locator("#paint-answer").textContent()) ?? "", /pixels changed.*Upward light.*-\d/);
+  assert.match((await page.locator("#paint-answer").textContent()) ?? "", /pixels changed.*Upward light.*−\d/);
   const link = new URLSearchParams(new URL(page.url()).hash.slice(1));
   assert.deepEqual(
     [link.get("lat"), link.get("lon")].map(Number),
