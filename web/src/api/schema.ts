@@ -1361,7 +1361,7 @@ export interface components {
             calibration: number;
             /**
              * Format: double
-             * @description Lambertian albedo of that base from below; null where there are no clouds.
+             * @description Albedo of that base from below, of light that goes straight up; null where there are no clouds.
              */
             cloud_albedo?: number | null;
             /**
@@ -1369,6 +1369,11 @@ export interface components {
              * @description Share of that layer that is cloud; null where there are no clouds.
              */
             cloud_cover?: number | null;
+            /**
+             * Format: double
+             * @description Optical depth of the drops that have this albedo; null where there are no clouds.
+             */
+            cloud_optical_depth?: number | null;
             /**
              * Format: int32
              * @description Which pattern of clouds; null for the mean of all, and where the layer is closed.
@@ -1450,7 +1455,7 @@ export interface components {
             checksum: string;
             /**
              * Format: double
-             * @description Lambertian albedo of that base from below; null under a clear sky.
+             * @description Albedo of that base from below, of light that goes straight up; null under a clear sky.
              */
             cloud_albedo?: number | null;
             /**

@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-B50ieL79.js";
