@@ -92,6 +92,7 @@ impl ProgramFlags {
     pub(crate) fn source(&self) -> Result<Arc<dyn SkySource>, Failure> {
         let device = self.device.unwrap_or_default();
         let (data, packs) = (self.data.folder(), self.packs.folder());
+        folders::packs_of(&packs)?;
         let loaded = LoadedEngine::start(&packs, device.into(), None).map_err(Failure::work)?;
         let (limits, sizes) = (ChangeLimits::none(), CacheSizes::of_machine());
         Ok(program::open(loaded, &data, ChangeStore::new(&data, limits), None, &sizes, MAX_PLACES, false))

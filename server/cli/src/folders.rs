@@ -1,5 +1,7 @@
 //! Where data and packs lie when nobody says.
 
+use crate::failure::Failure;
+use skyglow_tables::packs_in;
 use std::path::{Path, PathBuf};
 
 /// `$XDG_DATA_HOME/skyglow`, else `~/.local/share/skyglow`, else (no home either) `skyglow` in the current
@@ -45,6 +47,25 @@ fn packs_folder(beside: Option<&Path>, source: &Path, is_folder: impl Fn(&Path) 
         .or(candidates.first())
         .cloned()
         .unwrap_or_else(|| PathBuf::from("precomputed"))
+}
+
+/// The packs of a folder, one at least.
+///
+/// # Errors
+/// [`Failure::Work`] that says where packs come from.
+pub(crate) fn packs_of(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    match packs_in(folder) {
+        Ok(packs) if packs.is_empty() => Err(no_packs(format!("{} has none", folder.display()))),
+        found => found.map_err(no_packs),
+    }
+}
+
+/// There are no packs for this reason: says where they come from.
+pub(crate) fn no_packs(reason: impl std::fmt::Display) -> Failure {
+    Failure::Work(format!(
+        "no table packs: {reason}; they are the folder `precomputed` of the project: copy it to share/skyglow beside the \
+         program's bin, or name it by --packs or SKYGLOW_PACKS; `skyglow precompute` makes others"
+    ))
 }
 
 #[cfg(test)]

@@ -3,13 +3,12 @@
 use crate::{
     failure::Failure,
     flags::{DataFlags, PacksFlags},
-    print,
+    folders, print,
     table::aligned,
 };
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_bench::{BenchOptions, Extent, Report, sections};
 use skyglow_render::resident_tables;
-use skyglow_tables::packs_in;
 use std::path::PathBuf;
 
 /// Measure run time against error on this machine, beside slower ways of computing the same sky (minutes)
@@ -42,12 +41,8 @@ pub(crate) struct Bench {
 impl Bench {
     /// Runs the command.
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let packs = packs_in(&self.packs.folder()).map_err(Failure::work)?;
+        let packs = folders::packs_of(&self.packs.folder())?;
         let (tables, manifests) = resident_tables(&packs).map_err(Failure::work)?;
-        if tables.is_empty() {
-            let folder = self.packs.folder();
-            return Err(Failure::Work(format!("no table packs in {}", folder.display())));
-        }
         if let Some(folder) = &self.out {
             // Before the minutes that it takes, not after them.
             std::fs::create_dir_all(folder).map_err(|error| Failure::file(folder, error))?;

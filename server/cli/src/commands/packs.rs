@@ -3,7 +3,7 @@
 use crate::{
     failure::Failure,
     flags::{JsonFlags, PacksFlags},
-    print,
+    folders, print,
     table::aligned,
 };
 use clap::{Args, Subcommand};
@@ -65,7 +65,7 @@ impl Packs {
             }
             None => (self.packs.folder(), self.json.json),
         };
-        let packs = packs_in(&folder).map_err(Failure::work)?;
+        let packs = packs_in(&folder).map_err(folders::no_packs)?;
         let celestial = celestial_tables_in(&folder).map_err(Failure::work)?;
         let packs = packs.into_iter().map(|path| entry(path, verified_pack));
         let entries: Vec<Entry> =

@@ -146,7 +146,9 @@ impl Precompute {
             ..full
         };
         let Some(base_m) = self.cloud_base else { return Ok(options) };
-        let by_depth = self.cloud_optical_depth.map(CloudBase::albedo_of);
+        // In millionths: manifests and commands show it.
+        let rounded = |albedo: f64| (1e6 * albedo).round() / 1e6;
+        let by_depth = self.cloud_optical_depth.map(CloudBase::albedo_of).map(rounded);
         let albedo = self.cloud_albedo.or(by_depth).unwrap_or(CloudBase::DEFAULT_ALBEDO);
         Ok(options.under(Clouds::new(base_m, albedo).map_err(|error| Failure::Usage(error.to_string()))?))
     }

@@ -1,6 +1,8 @@
 //! `skyglow serve`: the server.
 
-use crate::{failure::Failure, logging, partial_settings::PartialSettings, program, settings::Settings};
+use crate::{
+    failure::Failure, folders, logging, partial_settings::PartialSettings, program, settings::Settings,
+};
 use clap::Args;
 use skyglow_app::{SkySource, error::AppError, opening::LoadedEngine};
 use skyglow_http::{HttpConfig, MemoryShares, Valkey, router_beside, serve};
@@ -164,6 +166,8 @@ fn start(
     settings: &Settings,
     shelf: Option<Arc<Valkey>>,
 ) -> Result<(Arc<dyn SkySource>, HttpConfig), Failure> {
+    // Before the minute that a demo takes, not after it.
+    folders::packs_of(&settings.packs)?;
     let cleared = SceneStore::new(&settings.data).clear_stale();
     if cleared > 0 {
         tracing::info!("{cleared} folder(s) of ingests that were killed are cleared");

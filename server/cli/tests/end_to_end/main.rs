@@ -254,4 +254,13 @@ fn a_taken_port_and_missing_packs_end_the_start() {
     let refused =
         skyglow(&["serve", "--listen", "127.0.0.1:0", "--data", data, "--no-demo", "--packs", data]);
     assert!(refused.expect_status(1).stderr.contains("no table packs"), "packs");
+    // The message says what to do, before a demo is made.
+    let none = folder.path().join("none");
+    let address = "127.0.0.1:0";
+    let refused =
+        skyglow(&["serve", "--listen", address, "--data", data, "--packs", text(&none)]).expect_status(1);
+    for words in [text(&none), "share/skyglow", "SKYGLOW_PACKS"] {
+        assert!(refused.stderr.contains(words), "{words} in {}", refused.stderr);
+    }
+    assert!(!folder.path().join("scenes").exists(), "a demo");
 }
