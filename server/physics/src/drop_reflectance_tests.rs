@@ -15,7 +15,7 @@ fn thick_isotropic_layers_follow_chandrasekhar() {
         for (view, h_view) in H {
             let expected = h_light * h_view / (4.0 * (light + view));
             let got = layer.reflectance(light, view, 0.3);
-            assert!((got / expected - 1.0).abs() < 5e-3, "{light} {view}: {got} {expected}");
+            assert!((got / expected - 1.0).abs() < 1e-2, "{light} {view}: {got} {expected}");
         }
     }
 }
