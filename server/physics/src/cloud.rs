@@ -1,7 +1,7 @@
 //! The base of an overcast sky: a plane layer of drops, or a Lambertian surface (`docs/model.md#overcast`).
 
 use crate::{
-    drop_reflectance::{DROP_ASYMMETRY, DropReflectance},
+    drop_reflectance::{DROP_ASYMMETRY, DropLayer},
     error::{PhysicsError, check_range},
 };
 
@@ -13,7 +13,7 @@ pub struct CloudBase {
     altitude_m: f64,
     albedo: f64,
     /// None for a Lambertian surface.
-    drops: Option<&'static DropReflectance>,
+    drops: Option<&'static DropLayer>,
 }
 
 impl PartialEq for CloudBase {
@@ -43,7 +43,7 @@ impl CloudBase {
     pub fn new(altitude_m: f64, albedo: f64) -> Result<Self, PhysicsError> {
         check_range("cloud_albedo", albedo, 0.0, Self::MAX_ALBEDO, "")?;
         let lambertian = Self::lambertian(altitude_m, albedo)?;
-        Ok(Self { drops: Some(DropReflectance::of_depth(Self::optical_depth(albedo))), ..lambertian })
+        Ok(Self { drops: Some(DropLayer::of_depth(Self::optical_depth(albedo))), ..lambertian })
     }
 
     /// A surface that reflects the same in every direction: for closed forms and the tracers. Checks the ranges: altitude in metres
@@ -85,12 +85,12 @@ impl CloudBase {
 
     /// Share of diffuse light that is reflected.
     pub fn diffuse_albedo(self) -> f64 {
-        self.drops.map_or(self.albedo, DropReflectance::spherical_albedo)
+        self.drops.map_or(self.albedo, |drops| drops.get().spherical_albedo())
     }
 
     /// Share of light from one direction that is reflected, by the cosine of its zenith angle there.
     pub fn plane_albedo(self, cos_zenith: f64) -> f64 {
-        self.drops.map_or(self.albedo, |drops| drops.plane_albedo(cos_zenith))
+        self.drops.map_or(self.albedo, |drops| drops.get().plane_albedo(cos_zenith))
     }
 
     /// What a direction has of reflected diffuse light, over the mean weighted by the cosine of its zenith angle.
@@ -102,6 +102,6 @@ impl CloudBase {
     /// Radiance over that of a white Lambertian surface in the same light, by the cosines of the zenith angles of the light and of
     /// the view ray there, 0..=1, and of the angle by which light turns.
     pub fn reflectance(self, cos_light: f64, cos_view: f64, cos_turn: f64) -> f64 {
-        self.drops.map_or(self.albedo, |drops| drops.reflectance(cos_light, cos_view, cos_turn))
+        self.drops.map_or(self.albedo, |drops| drops.get().reflectance(cos_light, cos_view, cos_turn))
     }
 }

@@ -12,11 +12,10 @@
 
 use crate::quadrature::gauss_legendre;
 use faer::{Accum, Mat, Par, linalg::matmul::matmul};
-use rayon::prelude::*;
 use std::{
     collections::BTreeMap,
     f64::consts::{FRAC_PI_2, PI},
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, OnceLock, PoisonError},
 };
 
 /// Asymmetry g of the phase function of cloud drops.
@@ -50,8 +49,30 @@ pub(crate) struct DropReflectance {
     spherical_albedo: f64,
 }
 
-/// Tables by the bits of their optical depths: few, and each serves as long as the program runs.
-static KNOWN: Mutex<BTreeMap<u64, &'static DropReflectance>> = Mutex::new(BTreeMap::new());
+/// A layer of an optical depth, whose reflectance is computed when it is first asked for: who only names the layer does not wait.
+#[derive(Debug)]
+pub(crate) struct DropLayer {
+    optical_depth: f64,
+    reflectance: OnceLock<DropReflectance>,
+}
+
+/// Layers by the bits of their optical depths: few, and each serves as long as the program runs.
+static KNOWN: Mutex<BTreeMap<u64, &'static DropLayer>> = Mutex::new(BTreeMap::new());
+
+impl DropLayer {
+    /// The layer of an optical depth.
+    pub(crate) fn of_depth(optical_depth: f64) -> &'static Self {
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        known
+            .entry(optical_depth.to_bits())
+            .or_insert_with(|| Box::leak(Box::new(Self { optical_depth, reflectance: OnceLock::new() })))
+    }
+
+    /// Its reflectance.
+    pub(crate) fn get(&self) -> &DropReflectance {
+        self.reflectance.get_or_init(|| DropReflectance::new(self.optical_depth, DROP_ASYMMETRY))
+    }
+}
 
 /// The place of a share of the largest angle or azimuth among so many nodes: the lower one and the weight of the next.
 fn stencil(share: f64, count: usize) -> (usize, f64) {
@@ -67,21 +88,12 @@ fn squared_share(node: usize, count: usize) -> f64 {
 }
 
 impl DropReflectance {
-    /// Of a layer of an optical depth, computed at its first use.
-    pub(crate) fn of_depth(optical_depth: f64) -> &'static Self {
-        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        known
-            .entry(optical_depth.to_bits())
-            .or_insert_with(|| Box::leak(Box::new(Self::new(optical_depth, DROP_ASYMMETRY))))
-    }
-
     fn new(optical_depth: f64, asymmetry: f64) -> Self {
         let angle_rad = |node| (FRAC_PI_2 * squared_share(node, ANGLE_COUNT)).max(MIN_ANGLE_RAD);
         let angles = Angles::new((0..ANGLE_COUNT).map(angle_rad).map(f64::sin));
-        let terms: Vec<Mat<f64>> = (0..DEGREE_COUNT)
-            .into_par_iter()
-            .map(|order| angles.doubled(order, optical_depth, asymmetry).0)
-            .collect();
+        // On this thread alone: one of the pool that waited for others here could take up work that waits for this table.
+        let terms: Vec<Mat<f64>> =
+            (0..DEGREE_COUNT).map(|order| angles.doubled(order, optical_depth, asymmetry).0).collect();
         let cosine = |angle: usize| angles.cosines[NODE_COUNT + angle];
         let mut ln_scaled = Vec::with_capacity(ANGLE_COUNT * ANGLE_COUNT * AZIMUTH_COUNT);
         for light in 0..ANGLE_COUNT {

@@ -40,7 +40,7 @@ fn nothing_is_lost_in_the_layer() {
 #[test]
 fn albedo_is_that_of_steep_light() {
     for albedo in [0.3, 0.5, 0.7] {
-        let layer = DropReflectance::of_depth(CloudBase::optical_depth(albedo));
+        let layer = DropLayer::of_depth(CloudBase::optical_depth(albedo)).get();
         let [steep, flat] = [1.0, 0.1].map(|cosine| layer.plane_albedo(cosine));
         assert!((steep - albedo).abs() < 0.04, "{albedo}: {steep}");
         assert!(flat > albedo + 0.15 && layer.spherical_albedo() > albedo, "{albedo}: {flat}");
@@ -50,7 +50,7 @@ fn albedo_is_that_of_steep_light() {
 /// The table's integral over all directions is the plane albedo, so it interpolates well at grazing angles too.
 #[test]
 fn the_table_keeps_energy() {
-    let layer = DropReflectance::of_depth(CloudBase::optical_depth(0.5));
+    let layer = DropLayer::of_depth(CloudBase::optical_depth(0.5)).get();
     let rule = gauss_legendre(60);
     for light in [0.03f64, 0.11, 0.37, 0.93] {
         let mut sum = 0.0;
@@ -73,7 +73,7 @@ fn the_table_keeps_energy() {
 /// Light that goes the other way is reflected as much (Helmholtz), and grazing light goes on rather than back.
 #[test]
 fn reciprocal_and_forward() {
-    let layer = DropReflectance::of_depth(CloudBase::optical_depth(0.5));
+    let layer = DropLayer::of_depth(CloudBase::optical_depth(0.5)).get();
     for (light, view, turn) in [(0.2, 0.7, 0.1), (0.05, 0.4, 0.6), (0.9, 0.15, -0.3)] {
         let ratio = layer.reflectance(light, view, turn) / layer.reflectance(view, light, turn);
         assert!((ratio - 1.0).abs() < 1e-4, "{light} {view}: {ratio}");
