@@ -5,8 +5,8 @@ use skyglow_physics::{EARTH_RADIUS_M, GeoPoint, source_pixel::MAX_SOURCE_DISTANC
 use skyglow_scene::{Ground, Scene, SceneMetadata};
 use std::{f64::consts::PI, sync::Arc};
 
-/// Who comes again waits for the skylines of so many lights: a second of two cores.
-const FEW_LIGHTS: usize = 12_000;
+/// Who comes again waits where skylines of so many lights are missing: what one place needs of them takes a second of two cores.
+const FEW_LIGHTS: usize = 150_000;
 
 /// A scene with its changes, resolved once when a request is prepared and passed down: a scene that is replaced meanwhile changes
 /// no answer that is under way.

@@ -51,6 +51,7 @@ mod scene_writer;
 mod sections;
 mod shared_scenes;
 mod skyline_of_light;
+mod skyline_part;
 mod skyline_queue;
 mod skyline_tiles;
 mod skyline_view;

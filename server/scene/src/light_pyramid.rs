@@ -7,6 +7,7 @@ use crate::morton;
 use crate::skylines::Skylines;
 use glam::DVec3;
 use skyglow_physics::EARTH_RADIUS_M;
+use std::ops::Range;
 
 /// A block that holds at least one lit pixel.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,7 @@ pub(crate) struct Level {
 
 impl Level {
     /// The children of block `index`, as a range in the level below.
-    pub(crate) fn children(&self, index: usize) -> std::ops::Range<usize> {
+    pub(crate) fn children(&self, index: usize) -> Range<usize> {
         let end = self.blocks.get(index + 1).map_or(self.child_count, |next| next.first_child);
         self.blocks[index].first_child as usize..end as usize
     }
@@ -118,14 +119,14 @@ impl LightPyramid {
     }
 
     /// The pixels of a block of level `number`.
-    pub(crate) fn pixels(&self, number: usize, index: usize) -> std::ops::Range<usize> {
+    pub(crate) fn pixels(&self, number: usize, index: usize) -> Range<usize> {
         self.levels[..number].iter().rev().fold(index..index + 1, |range, level| {
             level.children(range.start).start..level.children(range.end - 1).end
         })
     }
 
     /// The blocks of level `below` within a block of level `number`, which is no lower.
-    pub(crate) fn blocks_within(&self, number: usize, index: usize, below: usize) -> std::ops::Range<usize> {
+    pub(crate) fn blocks_within(&self, number: usize, index: usize, below: usize) -> Range<usize> {
         self.levels[below..number].iter().rev().fold(index..index + 1, |range, level| {
             level.children(range.start).start..level.children(range.end - 1).end
         })
@@ -137,21 +138,61 @@ impl LightPyramid {
     }
 }
 
-/// Groups the children by code >> 2.
-fn group(child_codes: &[u64], child: impl Fn(usize) -> Child) -> Level {
+/// Fewer children are not worth waking another thread.
+const CHILDREN_PER_THREAD: usize = 1 << 16;
+
+/// Groups the children by code >> 2, on as many threads as there are cores.
+fn group(child_codes: &[u64], child: impl Fn(usize) -> Child + Sync) -> Level {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.min(child_codes.len() / CHILDREN_PER_THREAD).max(1);
+    // No block is cut in two.
+    let cut = |part: usize| match part * child_codes.len() / threads {
+        0 => 0,
+        even => (even..child_codes.len())
+            .find(|&at| child_codes[at] >> 2 != child_codes[at - 1] >> 2)
+            .unwrap_or(child_codes.len()),
+    };
+    let cuts: Vec<usize> = (0..=threads).map(cut).collect();
     let mut level = Level { child_count: child_codes.len() as u32, ..Level::default() };
-    let mut start = 0;
-    while start < child_codes.len() {
+    // Plain threads: in a pool that steals work somebody who waits for this scene could be taken up by one who opens it.
+    std::thread::scope(|scope| {
+        let child = &child;
+        let of = |part: usize| {
+            let range = cuts[part]..cuts[part + 1];
+            move || group_part(child_codes, range, child)
+        };
+        let others: Vec<_> = (1..threads).map(|part| scope.spawn(of(part))).collect();
+        let first = of(0)();
+        (level.codes, level.blocks) = first;
+        for (part, worker) in (1..threads).zip(others) {
+            // A thread that died left its part undone.
+            let (codes, blocks) = worker.join().unwrap_or_else(|_| of(part)());
+            level.codes.extend(codes);
+            level.blocks.extend(blocks);
+        }
+    });
+    level
+}
+
+/// The blocks of a range of children.
+fn group_part(
+    child_codes: &[u64],
+    range: Range<usize>,
+    child: &impl Fn(usize) -> Child,
+) -> (Vec<u64>, Vec<Block>) {
+    let (mut codes, mut blocks) = (Vec::new(), Vec::new());
+    let mut start = range.start;
+    while start < range.end {
         let code = child_codes[start] >> 2;
         let mut end = start + 1;
-        while end < child_codes.len() && child_codes[end] >> 2 == code {
+        while end < range.end && child_codes[end] >> 2 == code {
             end += 1;
         }
-        level.codes.push(code);
-        level.blocks.push(sum_up(start, (start..end).map(&child)));
+        codes.push(code);
+        blocks.push(sum_up(start, (start..end).map(child)));
         start = end;
     }
-    level
+    (codes, blocks)
 }
 
 fn sum_up(first_child: usize, children: impl Iterator<Item = Child> + Clone) -> Block {
@@ -173,5 +214,33 @@ fn sum_up(first_child: usize, children: impl Iterator<Item = Child> + Clone) -> 
         radius_m,
         radiance_sum_nw_cm2_sr: radiance,
         first_child: first_child as u32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Threads cut between blocks: theirs are the blocks of one thread.
+    #[test]
+    fn threads_make_the_same_blocks() {
+        let codes: Vec<u64> = (0..5 * CHILDREN_PER_THREAD as u64 / 2).map(|at| at + at / 3 * 2).collect();
+        let child = |index: usize| Child {
+            direction: DVec3::new(1.0, index as f64 * 1e-6, 0.0).normalize(),
+            flux_dnb_w: 1.0 + (index % 7) as f64,
+            altitude_m: (index % 100) as f64,
+            radius_m: 0.0,
+            radiance_sum_nw_cm2_sr: 1.0,
+        };
+        let level = group(&codes, child);
+        let (alone, blocks) = group_part(&codes, 0..codes.len(), &child);
+        assert_eq!(level.codes, alone);
+        let bits = |blocks: &[Block]| -> Vec<[u64; 3]> {
+            let of = |block: &Block| {
+                [u64::from(block.first_child), block.flux_dnb_w.to_bits(), block.radius_m.to_bits()]
+            };
+            blocks.iter().map(of).collect()
+        };
+        assert_eq!(bits(&level.blocks), bits(&blocks));
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Lights a second before any were made: a tenth of a millisecond of a core each.
+/// Lights a second before any were made: a tenth of a millisecond each.
 const FIRST_LIGHTS_PER_S: f64 = 10_000.0;
 /// Places beyond these come in when they ask again.
 const MOST_PLACES: usize = 64;

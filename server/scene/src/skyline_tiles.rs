@@ -3,6 +3,7 @@
 //! In a scene of millions of lights most skylines are never asked for, and all of them take hours to find. Such a scene has none when
 //! it is stored. A tile is a block of the light pyramid of 128 × 128 pixels; the skylines of its lights and of the blocks within it
 //! are the same numbers whenever they are made. They are kept in memory while there is room, and in files beside the scene's.
+//! For one observer a part of them is enough ([`skyline_part`](crate::skyline_part)), until the whole is there.
 
 use crate::error::SceneError;
 use crate::grid::Grid;
@@ -10,6 +11,7 @@ use crate::light_pyramid::LightPyramid;
 use crate::lit_pixels::LitPixels;
 use crate::sections::{self, Sections};
 use crate::skyline_of_light::skyline_of_light;
+use crate::skyline_part::{Observer, Parts};
 use crate::skyline_queue::SkylineQueue;
 use crate::skylines::{Skyline, Skylines};
 use crate::terrain::Terrain;
@@ -19,6 +21,7 @@ use std::fs::Permissions;
 use std::ops::Range;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Level of the blocks that are tiles, or the highest where that is lower.
@@ -96,7 +99,7 @@ impl SkylineTile {
         self.levels[0].1.blocked_count() > 0
     }
 
-    fn byte_count(&self) -> usize {
+    pub(crate) fn byte_count(&self) -> usize {
         self.levels.iter().map(|(_, skylines)| skylines.byte_count()).sum()
     }
 }
@@ -107,6 +110,15 @@ struct Kept {
     tiles: HashMap<usize, (Arc<SkylineTile>, u64)>,
     bytes: usize,
     turn: u64,
+    parts: Parts,
+}
+
+/// A tile that somebody wants.
+enum Wanted {
+    Known(Arc<SkylineTile>),
+    Whole,
+    /// A part is enough, unless all of it is stored.
+    Part,
 }
 
 /// The skylines of a scene that are made by tile.
@@ -119,12 +131,21 @@ pub(crate) struct SkylineTiles {
     kept: Mutex<Kept>,
     /// Those that somebody waits for.
     pub(crate) queue: SkylineQueue,
+    /// How many are waiting for parts of tiles just now.
+    waiting: AtomicUsize,
 }
 
 impl SkylineTiles {
     /// Of a scene that may have some in a folder.
     pub(crate) fn new(folder: PathBuf, version: &str) -> Self {
-        Self { folder, version: version.to_owned(), kept: Mutex::default(), queue: SkylineQueue::default() }
+        let version = version.to_owned();
+        Self {
+            folder,
+            version,
+            kept: Mutex::default(),
+            queue: SkylineQueue::default(),
+            waiting: AtomicUsize::new(0),
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, Kept> {
@@ -133,34 +154,51 @@ impl SkylineTiles {
     }
 
     /// Tiles by the indices of their blocks: from memory, from their files, else made and stored.
-    pub(crate) fn tiles(&self, ground: &TileGround<'_>, wanted: &[usize]) -> Vec<Arc<SkylineTile>> {
-        let known: Vec<Option<Arc<SkylineTile>>> = {
-            let mut kept = self.lock();
-            kept.turn += 1;
-            let turn = kept.turn;
-            let mut find = |tile: &usize| {
-                kept.tiles.get_mut(tile).map(|(found, used)| {
-                    *used = turn;
-                    Arc::clone(found)
-                })
-            };
-            wanted.iter().map(&mut find).collect()
-        };
-        if known.iter().all(Option::is_some) {
-            return known.into_iter().flatten().collect();
+    ///
+    /// * `observer`: who alone needs them, for whom a part of what is not there is made, unless that happened often.
+    pub(crate) fn tiles(
+        &self,
+        ground: &TileGround<'_>,
+        wanted: &[usize],
+        observer: Option<&Observer>,
+    ) -> Vec<Arc<SkylineTile>> {
+        let found = self.lock().find(wanted, observer);
+        if found.iter().all(|found| matches!(found, Wanted::Known(_))) {
+            let known = |found| if let Wanted::Known(tile) = found { Some(tile) } else { None };
+            return found.into_iter().filter_map(known).collect();
         }
-        let get = |(tile, known): (&usize, Option<Arc<SkylineTile>>)| match known {
-            Some(known) => (known, false),
-            None => (Arc::new(self.load(ground, *tile).unwrap_or_else(|| self.make(ground, *tile).0)), true),
+        self.waiting.fetch_add(1, Ordering::Relaxed);
+        let get = |(&tile, found): (&usize, Wanted)| match found {
+            Wanted::Known(known) => (known, Wanted::Part, false),
+            found => match self.load(ground, tile) {
+                Some(stored) => (Arc::new(stored), Wanted::Whole, true),
+                None if matches!(found, Wanted::Whole) => {
+                    (Arc::new(self.make(ground, tile).0), Wanted::Whole, true)
+                }
+                None => (Arc::new(Self::find_skylines(ground, tile, observer)), Wanted::Part, true),
+            },
         };
-        let found: Vec<(Arc<SkylineTile>, bool)> = wanted.par_iter().zip(known).map(get).collect();
+        let found: Vec<(Arc<SkylineTile>, Wanted, bool)> = wanted.par_iter().zip(found).map(get).collect();
+        self.waiting.fetch_sub(1, Ordering::Relaxed);
         let mut kept = self.lock();
-        for (tile, (found, is_new)) in wanted.iter().zip(&found) {
-            if *is_new {
-                kept.keep(*tile, found);
+        let mut parts = Vec::new();
+        for (tile, (found, kind, is_new)) in wanted.iter().zip(&found) {
+            match kind {
+                _ if !is_new => {}
+                Wanted::Part => parts.push((*tile, Arc::clone(found))),
+                _ => kept.keep(*tile, found),
             }
         }
-        found.into_iter().map(|(tile, _)| tile).collect()
+        if let Some(observer) = observer.filter(|_| !parts.is_empty()) {
+            kept.parts.keep(observer, parts);
+        }
+        drop(kept);
+        found.into_iter().map(|(tile, ..)| tile).collect()
+    }
+
+    /// Whether somebody waits for parts of tiles, to whom the processor belongs.
+    pub(crate) fn is_waited_for(&self) -> bool {
+        self.waiting.load(Ordering::Relaxed) > 0
     }
 
     /// Those of some tiles that are neither in memory nor stored. A stored one is taken to be good.
@@ -178,7 +216,7 @@ impl SkylineTiles {
     /// The skyline of a light by its index; None under an open sky.
     pub(crate) fn skyline(&self, ground: &TileGround<'_>, light: usize) -> Skyline {
         let tile = tile_of(ground, light);
-        let tiles = self.tiles(ground, &[tile]);
+        let tiles = self.tiles(ground, &[tile], None);
         tiles[0].skylines(0).skyline(light - tiles[0].first(0))
     }
 
@@ -196,14 +234,20 @@ impl SkylineTiles {
 
     /// Finds the skylines of a tile and stores them. One that cannot be stored is made again next time.
     fn make(&self, ground: &TileGround<'_>, tile: usize) -> (SkylineTile, std::io::Result<()>) {
+        let made = Self::find_skylines(ground, tile, None);
+        let stored = self.store(ground, tile, made.skylines(0));
+        (made, stored)
+    }
+
+    /// Finds the skylines of a tile, or of each a part.
+    fn find_skylines(ground: &TileGround<'_>, tile: usize, observer: Option<&Observer>) -> SkylineTile {
         let lights = ground.pyramid.pixels(ground.level(), tile);
         let pixels = &ground.pixels;
-        let find = |light: usize| skyline_of_light(ground.terrain, ground.grid, pixels, light);
+        let find = |light: usize| skyline_of_light(ground.terrain, ground.grid, pixels, light, observer);
         let found: Vec<Skyline> = lights.into_par_iter().map(find).collect();
         let mut skylines = Skylines::default();
         found.iter().for_each(|skyline| skylines.push(skyline));
-        let stored = self.store(ground, tile, &skylines);
-        (SkylineTile::new(ground, tile, skylines), stored)
+        SkylineTile::new(ground, tile, skylines)
     }
 
     fn path(&self, ground: &TileGround<'_>, tile: usize) -> PathBuf {
@@ -252,9 +296,29 @@ impl SkylineTiles {
 }
 
 impl Kept {
+    /// Tiles that are there, and what is to be made of the others.
+    fn find(&mut self, wanted: &[usize], observer: Option<&Observer>) -> Vec<Wanted> {
+        self.turn += 1;
+        let parts = observer.and_then(|observer| self.parts.of(observer));
+        let mut found = Vec::with_capacity(wanted.len());
+        for tile in wanted {
+            found.push(match (self.tiles.get_mut(tile), parts.and_then(|parts| parts.get(tile))) {
+                (Some((known, used)), _) => {
+                    *used = self.turn;
+                    Wanted::Known(Arc::clone(known))
+                }
+                (None, Some(part)) => Wanted::Known(Arc::clone(part)),
+                (None, None) if observer.is_none() || self.parts.are_many(*tile) => Wanted::Whole,
+                (None, None) => Wanted::Part,
+            });
+        }
+        found
+    }
+
     fn keep(&mut self, tile: usize, found: &Arc<SkylineTile>) {
         let turn = self.turn;
         self.bytes += found.byte_count();
+        self.parts.forget(tile);
         if let Some((before, _)) = self.tiles.insert(tile, (Arc::clone(found), turn)) {
             self.bytes -= before.byte_count();
         }

@@ -1,5 +1,6 @@
 //! The skylines that some places need, of a scene whose skylines are made by tile.
 
+use crate::skyline_part::Observer;
 use crate::skyline_tiles::{SkylineTile, SkylineTiles, TileGround};
 use crate::skylines::{Skyline, Skylines, mean};
 use glam::DVec3;
@@ -33,13 +34,20 @@ pub(crate) struct SkylineView {
 
 impl SkylineView {
     /// * `largest_m`: no block of a larger radius counts as one.
+    /// * `observer`: who looks at the lights, where it is one alone.
     ///
-    /// Makes the tiles that are not there yet, at some tenths of a millisecond of a core a light.
-    pub(crate) fn new(store: &SkylineTiles, ground: &TileGround<'_>, discs: &[Disc], largest_m: f64) -> Self {
+    /// Makes the tiles that are not there yet, at some tenths of a millisecond of a core a light, for one observer a fifteenth of it.
+    pub(crate) fn new(
+        store: &SkylineTiles,
+        ground: &TileGround<'_>,
+        discs: &[Disc],
+        largest_m: f64,
+        observer: Option<&Observer>,
+    ) -> Self {
         let level = ground.level();
         let (wanted, above_tiles) = needed(ground, discs, largest_m);
         let wanted = Vec::from_iter(wanted);
-        let tiles = store.tiles(ground, &wanted);
+        let tiles = store.tiles(ground, &wanted, observer);
         let first = (0..=level).map(|level| tiles.iter().map(|tile| tile.first(level)).collect()).collect();
         let mut unknown = Skylines::default();
         unknown.push(&[[u8::MAX; _]; _]);

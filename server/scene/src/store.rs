@@ -355,10 +355,18 @@ struct StoredLight {
 
 fn read_light(sections: &Sections<'_>) -> Result<StoredLight, Flaw> {
     let grid = grid_sections::from_sections(sections, "")?;
+    // The three are nearly all of the file; to unpack a planet's takes seconds.
+    let (codes, radiance, altitude) = std::thread::scope(|scope| {
+        let radiance = scope.spawn(|| sections.numbers("radiance"));
+        let altitude = scope.spawn(|| sections.numbers("altitude"));
+        let codes = sections.bytes("codes").and_then(|bytes| unpack_ascending(&bytes));
+        (codes, radiance.join(), altitude.join())
+    });
+    let died = || "could not be unpacked".to_owned();
     let pixels = LitPixels {
-        codes: unpack_ascending(&sections.bytes("codes")?)?,
-        radiance_nw_cm2_sr: sections.numbers("radiance")?,
-        altitude_m: sections.numbers("altitude")?,
+        codes: codes?,
+        radiance_nw_cm2_sr: radiance.map_err(|_| died())??,
+        altitude_m: altitude.map_err(|_| died())??,
     };
     if !pixels.is_consistent(&grid) {
         return Err("holds pixels that contradict each other".to_owned());

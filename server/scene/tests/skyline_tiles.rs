@@ -163,6 +163,7 @@ fn tiles_are_kept_beside_the_scene() {
     let store = TestStore::new();
     let first = scene(&store, SkylineTime::Need);
     let id = first.metadata().id.clone();
+    first.prepare_skylines(None, &mut |_, _| {}).unwrap();
     let expected = first.polar_grid(places()[1], true);
     let files = tile_files(&store, &first);
     assert!(files.len() > 4, "{files:?}");
@@ -176,6 +177,7 @@ fn tiles_are_kept_beside_the_scene() {
     std::fs::remove_file(&files[3]).unwrap();
     let second = store.store.open(&id).unwrap();
     assert_eq!(second.polar_grid(places()[1], true), expected);
+    second.prepare_skylines(None, &mut |_, _| {}).unwrap();
     let again: Vec<Vec<u8>> = files.iter().map(|file| std::fs::read(file).unwrap()).collect();
     assert_eq!(again, bytes);
     // Nothing is left to make, and the scene is sound.
@@ -196,6 +198,24 @@ fn tiles_are_kept_beside_the_scene() {
     files.iter().zip(&bytes).for_each(|(file, bytes)| std::fs::write(file, bytes).unwrap());
     let prepared = next.prepare_skylines(None, &mut |_, _| {}).unwrap();
     assert_eq!(prepared.made, prepared.tiles);
+}
+
+/// One place needs a part of the skylines, which is not stored; where many places did, all of them are found and stored.
+#[test]
+fn many_places_need_the_whole() {
+    let store = TestStore::new();
+    let (whole, tiled) = (scene(&TestStore::new(), SkylineTime::Ingest), scene(&store, SkylineTime::Need));
+    let mut stored = Vec::new();
+    for number in 0..14 {
+        let place = at(150.3 + 2.0 * f64::from(number), 120.6);
+        assert_eq!(whole.polar_grid(place, true), tiled.polar_grid(place, true), "{number}");
+        // Asked again, it takes what it has.
+        assert_eq!(whole.light_shares(place, true).len(), tiled.light_shares(place, true).len());
+        stored.push(tile_files(&store, &tiled).len());
+    }
+    assert!(stored[..12].iter().all(|count| *count == 0) && stored[12] > 4, "{stored:?}");
+    let prepared = tiled.prepare_skylines(None, &mut |_, _| {}).unwrap();
+    assert_eq!(prepared.tiles - prepared.made, stored[13] as u64);
 }
 
 /// Bounds limit what is prepared to what reaches them; a scene that has all has nothing to prepare.

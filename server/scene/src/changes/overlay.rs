@@ -119,7 +119,7 @@ impl Base<'_> {
             let pixel =
                 LitPixels { codes: vec![*code], radiance_nw_cm2_sr: vec![1.0], altitude_m: vec![altitude_m] };
             let skyline = match base.knows_skylines() {
-                true => skyline_of_light(self.terrain, self.grid, &pixel, 0),
+                true => skyline_of_light(self.terrain, self.grid, &pixel, 0, None),
                 false => Skyline::default(),
             };
             (*code, (altitude_m, skyline))

@@ -29,7 +29,7 @@ pub(super) fn of_lights(
         let end = (first + PIXELS_AT_ONCE).min(total);
         let found: Vec<Skyline> = (first..end)
             .into_par_iter()
-            .map(|index| skyline_of_light(terrain, grid, pixels, index))
+            .map(|index| skyline_of_light(terrain, grid, pixels, index, None))
             .collect();
         found.iter().for_each(|skyline| skylines.push(skyline));
     }

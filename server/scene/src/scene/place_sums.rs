@@ -107,7 +107,7 @@ impl Scene {
         let any_hides = terrain_hides && kernels.iter().any(PlaceKernel::knows_skylines);
         let step_m = self.place_step_m(lattice);
         let discs = || dual_tree::wanted_discs(lattice, &self.grid, step_m, store);
-        let view = self.skyline_view(any_hides, discs, LARGEST_BLOCK_M);
+        let view = self.skyline_view(any_hides, discs, LARGEST_BLOCK_M, None);
         let layers: Vec<(LightTree<'_>, &PlaceKernel)> = (self.light_layers.iter())
             .filter_map(|layer| {
                 let kind = fixtures.iter().position(|fixture| *fixture == layer.fixture)?;

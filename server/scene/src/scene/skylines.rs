@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::error::SceneError;
+use crate::skyline_part::Observer;
 use crate::skyline_tiles::{SkylineTiles, TileGround, lights_of, tiles_within};
 use crate::skyline_view::{Disc, SkylineView, tiles_of};
 use crate::skylines::Skyline;
@@ -10,7 +11,10 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// For so long those who wait for parts of tiles have the processor for themselves.
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// What [`Scene::prepare_skylines`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -35,14 +39,16 @@ impl Scene {
     /// The skylines of the lights of some discs, where those hide light and are made by tile.
     ///
     /// * `largest_m`: no block of a larger radius counts as one.
+    /// * `observer`: who looks at them, where it is one alone.
     pub(super) fn skyline_view(
         &self,
         terrain_hides: bool,
         discs: impl FnOnce() -> Vec<Disc>,
         largest_m: f64,
+        observer: Option<&Observer>,
     ) -> Option<SkylineView> {
         let tiles = self.skyline_tiles().filter(|_| terrain_hides)?;
-        Some(SkylineView::new(tiles, &self.tile_ground(), &discs(), largest_m))
+        Some(SkylineView::new(tiles, &self.tile_ground(), &discs(), largest_m, observer))
     }
 
     /// The same of all lights that reach a place, whose blocks count as one up to a ratio of radius to distance.
@@ -53,11 +59,14 @@ impl Scene {
         far_block_ratio: f64,
     ) -> Option<SkylineView> {
         let disc = Disc { middle: place.unit_vector(), radius_m: MAX_SOURCE_DISTANCE_M };
-        self.skyline_view(terrain_hides, || vec![disc], far_block_ratio * MAX_SOURCE_DISTANCE_M)
+        let observer = Observer::new(disc.middle, far_block_ratio);
+        let largest_m = far_block_ratio * MAX_SOURCE_DISTANCE_M;
+        self.skyline_view(terrain_hides, || vec![disc], largest_m, Some(&observer))
     }
 
-    /// Whether the skylines of all lights that reach a place are there, but for a few that who asks may make, where they are made by
-    /// tile. Else a thread begins to make and store them, nearest first, and goes on whoever asks.
+    /// Whether the skylines of all lights that reach a place are there, or so few are missing that who asks finds what it needs of them
+    /// at once, where they are made by tile. A thread begins to make and store those that are missing, nearest first, and goes on
+    /// whoever asks.
     ///
     /// * `few`: so many lights.
     ///
@@ -74,7 +83,7 @@ impl Scene {
         let wanted = Vec::from_iter(tiles_of(&ground, &[disc]));
         let mut missing = store.missing(&ground, wanted.iter().copied());
         let lights = count(&missing);
-        if lights <= few {
+        if missing.is_empty() {
             return Ok(());
         }
         let blocks = &ground.pyramid.level(ground.level()).blocks;
@@ -84,9 +93,12 @@ impl Scene {
             let scene = Arc::clone(self);
             std::thread::spawn(move || scene.work_on_skylines());
         }
+        if lights <= few {
+            return Ok(());
+        }
         Err(SceneError::SkylinesBeingFound {
             progress: 1.0 - lights as f64 / count(&wanted) as f64,
-            left_s: lights as f64 / store.queue.lights_per_s(),
+            left_s: (lights - few) as f64 / store.queue.lights_per_s(),
         })
     }
 
@@ -94,8 +106,9 @@ impl Scene {
     fn work_on_skylines(&self) {
         let Some(store) = self.skyline_tiles() else { return };
         let ground = self.tile_ground();
-        // In the pool of all, the work of others would wait for that of a tile.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build();
+        // In the pool of all, the work of others would wait for that of a tile; and half of the processor is theirs.
+        let threads = rayon::current_num_threads().div_ceil(2);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let make = |tile: usize| {
             let start = Instant::now();
             let pool = pool.as_ref().ok()?;
@@ -103,7 +116,12 @@ impl Scene {
             made.ok()?.ok()?;
             Some(start.elapsed().as_secs_f64())
         };
+        // Who asked first finds the part of its own.
+        std::thread::sleep(PAUSE);
         while let Some(tile) = store.queue.next() {
+            while store.is_waited_for() {
+                std::thread::sleep(PAUSE);
+            }
             match make(tile) {
                 Some(seconds) => store.queue.done(tile, lights_of(&ground, tile).len(), seconds),
                 None => store.queue.give_up(),
