@@ -153,13 +153,17 @@ fn group(child_codes: &[u64], child: impl Fn(usize) -> Child + Sync) -> Level {
             .unwrap_or(child_codes.len()),
     };
     let cuts: Vec<usize> = (0..=threads).map(cut).collect();
+    let counts: Vec<usize> =
+        cuts.windows(2).map(|cuts| block_count(&child_codes[cuts[0]..cuts[1]])).collect();
     let mut level = Level { child_count: child_codes.len() as u32, ..Level::default() };
     // Plain threads: in a pool that steals work somebody who waits for this scene could be taken up by one who opens it.
     std::thread::scope(|scope| {
         let child = &child;
         let of = |part: usize| {
             let range = cuts[part]..cuts[part + 1];
-            move || group_part(child_codes, range, child)
+            // The first has room for all: a planet's blocks are gigabytes, and are not to be moved often.
+            let room = if part == 0 { counts.iter().sum() } else { counts[part] };
+            move || group_part(child_codes, range, room, child)
         };
         let others: Vec<_> = (1..threads).map(|part| scope.spawn(of(part))).collect();
         let first = of(0)();
@@ -174,13 +178,20 @@ fn group(child_codes: &[u64], child: impl Fn(usize) -> Child + Sync) -> Level {
     level
 }
 
-/// The blocks of a range of children.
+/// Blocks of some children.
+fn block_count(child_codes: &[u64]) -> usize {
+    let ends = child_codes.windows(2).filter(|pair| pair[0] >> 2 != pair[1] >> 2).count();
+    ends + usize::from(!child_codes.is_empty())
+}
+
+/// The blocks of a range of children, in vectors with room for so many.
 fn group_part(
     child_codes: &[u64],
     range: Range<usize>,
+    room: usize,
     child: &impl Fn(usize) -> Child,
 ) -> (Vec<u64>, Vec<Block>) {
-    let (mut codes, mut blocks) = (Vec::new(), Vec::new());
+    let (mut codes, mut blocks) = (Vec::with_capacity(room), Vec::with_capacity(room));
     let mut start = range.start;
     while start < range.end {
         let code = child_codes[start] >> 2;
@@ -233,7 +244,8 @@ mod tests {
             radiance_sum_nw_cm2_sr: 1.0,
         };
         let level = group(&codes, child);
-        let (alone, blocks) = group_part(&codes, 0..codes.len(), &child);
+        let (alone, blocks) = group_part(&codes, 0..codes.len(), 0, &child);
+        assert_eq!(block_count(&codes), alone.len());
         assert_eq!(level.codes, alone);
         let bits = |blocks: &[Block]| -> Vec<[u64; 3]> {
             let of = |block: &Block| {
