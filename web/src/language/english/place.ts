@@ -94,9 +94,9 @@ export const place = {
     glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
     /** Most of all, or more than of any town, is no town's light. */
     glowMostlyFar: (percent: string, more: string) =>
-      `Most of the glow (${percent} %) comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
+      `Most of the glow, ${percent} %, comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
     glowFar: (percent: string, more: string) =>
-      `${percent} % of the glow comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
+      `${percent} % of the glow comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
     glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
   },
   /** Whose light the sky is. */

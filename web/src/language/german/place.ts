@@ -81,9 +81,9 @@ export const place: PlaceWords = {
     glow: (percent, town, more) => `${percent} % der Aufhellung stammen aus ${town}${more}.`,
     glowToo: (percent, town) => `, ${percent} % aus ${town}`,
     glowMostlyFar: (percent, more) =>
-      `Der größte Teil der Aufhellung (${percent} %) stammt von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
+      `Der größte Teil der Aufhellung, ${percent} %, stammt von Lichtern fern jeder Stadt (Gasfackeln, Bergwerke, Gewächshäuser, Fischerflotten)${more}.`,
     glowFar: (percent, more) =>
-      `${percent} % der Aufhellung stammen von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
+      `${percent} % der Aufhellung stammen von Lichtern fern jeder Stadt (Gasfackeln, Bergwerke, Gewächshäuser, Fischerflotten)${more}.`,
     glowOfMany: (percent) => `Die Aufhellung stammt aus vielen Städten, aus jeder höchstens ${percent} %.`,
     stars: (visible, all) => `Man sieht etwa ${visible} von ${all} Sternen.`,
     starsTonight: (visible, all) => `Heute Nacht sieht man etwa ${visible} von ${all} Sternen.`,
