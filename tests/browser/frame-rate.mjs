@@ -1,4 +1,5 @@
-// How fast the sky is drawn while one looks around, on a page of 1440 × 900 with the enlarged sky: node frame-rate.mjs [URL …]
+// How fast the sky is drawn while one looks around, on a page of 1440 × 900, or of SIZE=3840x2160, with the enlarged sky:
+//   node frame-rate.mjs [URL …]
 // Several viewers may be named, to compare them in one run: every one is measured in turn, three times. FRAGMENT is added to the link.
 // Beside frames a second, which depend on what else the machine does, it tells what processor time a frame takes.
 import { readdirSync, readFileSync } from "node:fs";
@@ -9,8 +10,9 @@ const FRAMES = 120;
 const ROUNDS = 3;
 /** Of a clock tick of /proc. */
 const TICK_MS = 10;
+const [WIDTH_PX, PAGE_HEIGHT_PX] = (process.env.SIZE ?? "1440x900").split("x").map(Number);
 /** The same picture of every viewer, whatever its page leaves to the sky. */
-const HEIGHT_PX = 640;
+const HEIGHT_PX = Math.round(0.7112 * PAGE_HEIGHT_PX);
 
 /** Processor time of this process's children and theirs so far, ms. */
 function childrenMs() {
@@ -37,7 +39,7 @@ function childrenMs() {
 
 async function measure(browser, viewer, fragment) {
   // The height of the sky is set by a style that the page's own policy would refuse.
-  const device = { viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", bypassCSP: true };
+  const device = { viewport: { width: WIDTH_PX, height: PAGE_HEIGHT_PX }, reducedMotion: "reduce", bypassCSP: true };
   const { page, context } = await openPage(browser, "", device);
   await page.goto("about:blank");
   await page.goto(`${viewer}/${fragment}`);

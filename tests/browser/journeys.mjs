@@ -11,7 +11,7 @@ const report = [];
 
 /** One journey: `act` gets what counts steps, each with what waits for its answer. */
 async function journey(name, device, act) {
-  const { page, context, faults } = await openPage(browser, "", device);
+  const { page, context, faults } = await openPage(browser, "", { isTonight: true, ...device });
   const ends = [];
   let steps = 0;
   const step = async (what, then) => {
@@ -31,6 +31,19 @@ async function journey(name, device, act) {
   await context.close();
 }
 
+/** Takes a step that sets the time, to another than the one before. */
+function atOtherTime(page, step, act) {
+  const timeOf = () => new URLSearchParams(location.hash.slice(1)).get("time");
+  return step(async () => {
+    const before = await page.evaluate(timeOf);
+    await act();
+    // The best hour may be the one that is shown.
+    await page
+      .waitForFunction((before) => new URLSearchParams(location.hash.slice(1)).get("time") !== before, before, { timeout: 4000 })
+      .catch(() => {});
+  });
+}
+
 /** Types a town's name and takes the first that is found. */
 async function search(page, step, name) {
   await step(
@@ -45,14 +58,13 @@ async function search(page, step, name) {
 
 await journey("public", PHONE, async (page, step, end) => {
   const ms = await search(page, step, town.name);
+  await page.waitForFunction(() => /%/.test(document.querySelector("#summary").textContent));
   await end("how dark is it at home", ms);
   await page.waitForSelector("#shares-list button");
   await page.locator("#shares").scrollIntoViewIfNeeded();
   await end("whose light");
-  await step(
-    () => page.locator("#time-best").tap(),
-    () => page.waitForFunction(() => location.hash.includes("time=")),
-  );
+  await page.waitForSelector("#night-best:not(:empty)");
+  await atOtherTime(page, step, () => page.locator("#time-best").tap());
   await skyShown(page);
   await page.locator("#time-line").scrollIntoViewIfNeeded();
   await end("when tonight");
@@ -96,10 +108,7 @@ await journey("observatory", { viewport: { width: 1440, height: 900 }, ...still 
     () => page.press("#search", "Enter"),
     () => skyShown(page),
   );
-  await step(
-    () => page.click("#time-weekend"),
-    () => page.waitForFunction(() => location.hash.includes("time=")),
-  );
+  await atOtherTime(page, step, () => page.click("#time-weekend"));
   await skyShown(page);
   await end("the next dark weekend");
   await step(() => page.click("#mark"));
@@ -135,10 +144,8 @@ await journey("observatory", { viewport: { width: 1440, height: 900 }, ...still 
 
 await journey("newsroom", { viewport: { width: 3840, height: 2160 }, ...still }, async (page, step, end) => {
   await search(page, step, town.name);
-  await step(
-    () => page.click("#time-best"),
-    () => page.waitForFunction(() => location.hash.includes("time=")),
-  );
+  await page.waitForSelector("#night-best:not(:empty)");
+  await atOtherTime(page, step, () => page.click("#time-best"));
   await skyShown(page);
   await end("tonight's sky");
   await step(

@@ -49,7 +49,7 @@ test("a town painted dark darkens the sky beside it", async () => {
     `${dark.zenith_luminance_cd_m2} of ${today.zenith_luminance_cd_m2}`,
   );
   await numbersShown(page, dark);
-  assert.equal(await page.locator("#lights-changed").textContent(), "As painted");
+  assert.equal(await page.locator("#lights-changed").textContent(), "With changes");
   assert.match((await page.locator("#paint-answer").textContent()) ?? "", /pixels changed.*Upward light.*−\d/);
   const link = new URLSearchParams(new URL(page.url()).hash.slice(1));
   assert.deepEqual(

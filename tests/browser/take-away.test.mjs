@@ -122,7 +122,7 @@ test("before and after is saved as one", async () => {
   await page.goto("about:blank");
   await page.goto(`${SERVER}/${fragment(here.beside, `&sky=total&colours=eye&scenario=${scenario}`)}`);
   await skyShown(page);
-  await page.waitForSelector("#save-both:not([hidden])");
+  await page.waitForSelector("#save-moving:not([hidden])");
   const asked = [];
   page.on("request", (request) => {
     if (request.url().includes("panorama.png")) asked.push(new URL(request.url()).searchParams);
@@ -135,10 +135,30 @@ test("before and after is saved as one", async () => {
   assert.ok(one !== null && one === other, `${one} ${other}`);
   assert.deepEqual(asked.map((query) => query.get("scenario")).sort(), [scenario, null].sort());
   assert.ok(saved.length < 2_500_000, `${saved.length}`);
-  // The browser plays it: its first picture differs from what comes after two seconds.
-  const frames = await page.evaluate(
-    async (bytes) => {
-      const decoder = new ImageDecoder({ data: Uint8Array.from(bytes), type: "image/png" });
+  const [downloadedGif] = await Promise.all([page.waitForEvent("download"), page.click("#save-both-gif")]);
+  assert.match(downloadedGif.suggestedFilename(), /\.gif$/);
+  const gif = await readFile(await downloadedGif.path());
+  assert.ok(gif.length < 2_500_000, `${gif.length}`);
+  // The browser plays both: the first picture differs from what comes after two seconds.
+  const [frames, framesOfGif] = [await meansOf(page, saved, "image/png"), await meansOf(page, gif, "image/gif")];
+  for (const means of [frames, framesOfGif]) {
+    assert.equal(means.length, 2);
+    assert.ok(means[0] > 1.05 * means[1], `${means}`);
+  }
+  framesOfGif.forEach((mean, i) => {
+    assert.ok(Math.abs(mean - frames[i]) < 0.6, `${framesOfGif} ${frames}`);
+  });
+  if (process.env.SKYGLOW_SHOTS) await writeFile(`${process.env.SKYGLOW_SHOTS}/before-after.png`, saved);
+  if (process.env.SKYGLOW_SHOTS) await writeFile(`${process.env.SKYGLOW_SHOTS}/before-after.gif`, gif);
+  assertNoFaults(opened);
+  await context.close();
+});
+
+/** The mean value of each picture of a file. */
+function meansOf(page, file, type) {
+  return page.evaluate(
+    async ({ bytes, type }) => {
+      const decoder = new ImageDecoder({ data: Uint8Array.from(bytes), type });
       await decoder.tracks.ready;
       const count = decoder.tracks.selectedTrack.frameCount;
       const means = [];
@@ -151,14 +171,9 @@ test("before and after is saved as one", async () => {
       }
       return means;
     },
-    [...saved],
+    { bytes: [...file], type },
   );
-  assert.equal(frames.length, 2);
-  assert.ok(frames[0] > 1.05 * frames[1], `${frames}`);
-  if (process.env.SKYGLOW_SHOTS) await writeFile(`${process.env.SKYGLOW_SHOTS}/before-after.png`, saved);
-  assertNoFaults(opened);
-  await context.close();
-});
+}
 
 /** The horizon is there for programs of the night sky. */
 test("the horizon can be downloaded", async () => {

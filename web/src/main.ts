@@ -4,6 +4,7 @@ import { noAnswer } from "./api/problem.ts";
 import { followConnection } from "./data/connection.ts";
 import { dropAbsentAir, followScene, loadScenes } from "./data/scenes.ts";
 import { SkySession } from "./data/sky-session.ts";
+import { followTonight } from "./data/tonight.ts";
 import { chooseLanguage, loadWords } from "./language/words.ts";
 import { Lights } from "./lights/lights.ts";
 import { MapPanel } from "./map/map-panel.ts";
@@ -30,6 +31,7 @@ const store = new AppStore();
 dropAbsentAir(store);
 followScene(store);
 followConnection(store);
+followTonight(store);
 new SkySession(store);
 const lights = new Lights(store);
 

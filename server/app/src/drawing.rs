@@ -7,8 +7,8 @@ use crate::{
     sky_bodies::bodies_of,
 };
 use skyglow_display::{
-    DisplayError, DynamicRange, Notes, PictureOptions, Sky, encode_exr, encode_hdr_png, encode_png,
-    encode_tiff, encode_webp, hdr_picture_with, notes, picture_with, raster,
+    DisplayError, DynamicRange, GroundStyle, Notes, PictureOptions, Sky, encode_exr, encode_hdr_png,
+    encode_png, encode_tiff, encode_webp, hdr_picture_with, notes, picture_with, raster,
 };
 use skyglow_observatory::{GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground};
 use skyglow_physics::{Response, spectrum::RGB_BANDS};
@@ -111,6 +111,11 @@ fn notes(assumptions: &Assumptions, options: &PictureOptions) -> Result<Notes, s
         if let Some(cover) = assumptions.cloud_cover.filter(|cover| *cover < 1.0) {
             words.push_str(&format!(" over {:.0} % of the sky", 100.0 * cover));
         }
+    }
+    match options.ground {
+        GroundStyle::Dark => {}
+        GroundStyle::Lit => words.push_str(", the ground as it is lit"),
+        GroundStyle::Snow => words.push_str(", the ground under snow"),
     }
     Ok(Notes::new(&notes::description(words, scene.illustrative), &serde_json::to_string(assumptions)?))
 }

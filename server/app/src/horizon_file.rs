@@ -96,12 +96,16 @@ fn landscape_ini(scene: &SceneMetadata, place: GeoPoint, sky: &RenderedSky) -> S
     let name = format!("Skyglow {} {}", half(latitude_deg, ['N', 'S']), half(longitude_deg, ['E', 'W']));
     let mut description =
         format!("Horizon and sky brightness from scene {}: {}", scene.id, one_line(&scene.title));
-    if scene.illustrative {
-        description.push_str(" (illustrative and not measured)");
+    // Once is enough: the title or the credit of made-up light may say it already.
+    let says_so = |text: &str| text.to_lowercase().contains("illustrative");
+    if scene.illustrative && !says_so(&scene.title) {
+        description.push_str(" (illustrative, not measured)");
     }
     for (label, words) in [(" - light of ", &scene.date), (" - ", &scene.attribution)] {
         if let Some(words) = words {
-            let _ = write!(description, "{label}{}", one_line(words));
+            let words = one_line(words);
+            let said = if scene.illustrative { words.trim_start_matches("Illustrative: ") } else { &words };
+            let _ = write!(description, "{label}{said}");
         }
     }
     let depths = sky.context.local_optical_depth;

@@ -15,6 +15,7 @@ mod places;
 mod plan;
 mod plan_body;
 mod points;
+mod read_back;
 mod reference;
 mod scenario;
 mod shares;

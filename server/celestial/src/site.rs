@@ -22,7 +22,8 @@ impl Site {
         check_range("lat", latitude_deg, -90.0, 90.0, "degrees")?;
         check_range("lon", longitude_deg, -180.0, 360.0, "degrees")?;
         check_range("altitude_m", altitude_m, -500.0, 12_000.0, "m")?;
-        let wrapped_deg = (longitude_deg + 180.0).rem_euclid(360.0) - 180.0;
+        // Within the range it stays as it is, digit by digit.
+        let wrapped_deg = if longitude_deg < 180.0 { longitude_deg } else { longitude_deg - 360.0 };
         Ok(Self { latitude_deg, longitude_deg: wrapped_deg, altitude_m })
     }
 

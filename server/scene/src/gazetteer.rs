@@ -3,6 +3,10 @@
 
 use crate::metadata::{NamedPlace, is_within};
 use serde::Serialize;
+use skyglow_physics::{
+    EARTH_RADIUS_M, GeoPoint,
+    geometry::{Bearing, LocalFrame},
+};
 use std::sync::OnceLock;
 
 /// Whom to credit for the places.
@@ -71,8 +75,8 @@ impl Gazetteer {
             gazetteer.places.push(WorldPlace {
                 name: name.to_owned(),
                 country: country.to_owned(),
-                latitude_deg: 1e-4 * f64::from(latitude),
-                longitude_deg: 1e-4 * f64::from(longitude),
+                latitude_deg: f64::from(latitude) / 1e4,
+                longitude_deg: f64::from(longitude) / 1e4,
                 population,
             });
         }
@@ -100,6 +104,31 @@ impl Gazetteer {
             }
         }
         found.into_iter().map(|place| &self.places[place]).collect()
+    }
+
+    /// The place that people would name one by: the most populous within 1.5 km, else the nearest within 150 km, with how far it is
+    /// from there and in which direction.
+    pub fn nearest(&self, at: GeoPoint) -> Option<(&WorldPlace, Bearing)> {
+        const SAME_M: f64 = 1_500.0;
+        const FAR_M: f64 = 150_000.0;
+        let far_deg = (FAR_M / EARTH_RADIUS_M).to_degrees();
+        let to = at.unit_vector();
+        let mut nearest: Option<(&WorldPlace, Bearing)> = None;
+        for place in &self.places {
+            // Most places are not even of that latitude.
+            if (place.latitude_deg - at.latitude_deg()).abs() > far_deg {
+                continue;
+            }
+            let Ok(from) = GeoPoint::from_deg(place.latitude_deg, place.longitude_deg) else { continue };
+            let bearing = LocalFrame::at(from).bearing_to(to);
+            if bearing.distance_m <= SAME_M {
+                return Some((place, bearing));
+            }
+            if bearing.distance_m <= nearest.as_ref().map_or(FAR_M, |(_, least)| least.distance_m) {
+                nearest = Some((place, bearing));
+            }
+        }
+        nearest
     }
 
     /// The most populous places inside bounds, west, south, east, north in degrees; west > east across the antimeridian.
@@ -149,6 +178,17 @@ mod tests {
         assert_eq!(names(&few.search("york", 9)), ["York GB", "York US", "Yorkville US", "New York US"]);
         assert_eq!(names(&few.search("york", 1)), ["York GB"]);
         assert_eq!(names(&few.search("ebo", 9)), ["York US"]);
+    }
+
+    /// A place in a town is named by the town, not by one of its quarters; one in the country by the nearest place.
+    #[test]
+    fn a_place_is_named_by_what_is_near() {
+        let near = |lat, lon| Gazetteer::world().nearest(GeoPoint::from_deg(lat, lon).unwrap());
+        let (town, bearing) = near(-1.2833, 36.8167).unwrap();
+        assert!(town.name == "Nairobi" && bearing.distance_m < 100.0, "{town:?} {bearing:?}");
+        let (beside, bearing) = near(45.714, 9.44).unwrap();
+        assert!(bearing.distance_m < 5_000.0 && beside.country == "IT", "{beside:?} {bearing:?}");
+        assert!(near(-40.0, -145.0).is_none());
     }
 
     /// Bounds may cross the antimeridian.

@@ -37,6 +37,7 @@ use crate::scene_id::SceneId;
 use crate::scene_writer;
 use crate::store::SceneStore;
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Reads a radiance raster with its terrain and places, and stores the scene.
 ///
@@ -142,6 +143,7 @@ pub(crate) fn ingest_as(
         light_skylines: has_skylines,
         places_count: places.len() as u64,
         places_source,
+        ingested_unix_s: (!illustrative).then(now_unix_s).flatten(),
         version: String::new(),
     };
     let mut scene = Scene {
@@ -156,6 +158,11 @@ pub(crate) fn ingest_as(
     scene_writer::write(store.scenes_dir(), &mut scene, options.replace)?;
     progress(IngestProgress { stage: IngestStage::Store, done: 1, total: 1 });
     Ok(scene.metadata)
+}
+
+/// Now; None on a machine whose clock stands before 1970.
+fn now_unix_s() -> Option<u64> {
+    SystemTime::now().duration_since(UNIX_EPOCH).ok().map(|since| since.as_secs())
 }
 
 /// Opens all radiance rasters, and says when they were taken: by the options, else by the files' names.

@@ -44,7 +44,11 @@ pub struct SceneMetadata {
     /// Whom to credit for the places, where the scene brought none of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub places_source: Option<String>,
-    /// Hash over all that the scene holds; changes when anything does.
+    /// When it was ingested, seconds since 1970 UTC; None for the demo, which is the same whenever it is made, and for scenes that were
+    /// stored before this was noted. Not in the hash.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ingested_unix_s: Option<u64>,
+    /// Hash over all that the scene holds; changes when anything of it does.
     pub version: String,
 }
 

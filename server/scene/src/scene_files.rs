@@ -84,10 +84,11 @@ impl StoredScene {
         self.format > PLAIN_FORMAT && self.metadata.light_skylines
     }
 
-    /// Hash over everything but the version itself.
+    /// Hash over everything but the version itself and the time: the same light is the same scene.
     fn version(&self) -> Result<String, serde_json::Error> {
         let mut blank = self.clone();
         blank.metadata.version = String::new();
+        blank.metadata.ingested_unix_s = None;
         Ok(blake3::hash(&serde_json::to_vec(&blank)?).to_hex()[..32].to_owned())
     }
 

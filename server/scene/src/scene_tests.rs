@@ -46,6 +46,7 @@ fn scene() -> Scene {
         light_skylines: false,
         places_count: 0,
         places_source: None,
+        ingested_unix_s: None,
         version: "v".to_owned(),
     };
     let lights = Lights::new(&grid, pixels, None, 1.0);

@@ -44,9 +44,19 @@ export async function launch() {
   return browser;
 }
 
+function wantNoTime() {
+  // A page without an address has no storage.
+  if (location.protocol.startsWith("http")) localStorage.setItem("skyglow.time", "none");
+}
+
 /** A page of its own context, with `faults` (console errors, exceptions, requests to other hosts) and `asked`. */
-export async function openPage(browser, fragment = "", device = DESKTOP) {
-  const context = await browser.newContext({ ...device, serviceWorkers: "block" });
+export async function openPage(browser, fragment = "", { isTonight = false, ...device } = DESKTOP) {
+  // Pictures of the viewer may be taken in another language and at another clock.
+  const { SKYGLOW_LOCALE: locale, SKYGLOW_CLOCK: timezoneId } = process.env;
+  const told = { ...(locale === undefined ? {} : { locale }), ...(timezoneId === undefined ? {} : { timezoneId }) };
+  const context = await browser.newContext({ ...told, ...device, serviceWorkers: "block" });
+  // Most tests hold a sky against the API's of no time; what comes without a choice is tonight's (time.test.mjs).
+  if (!isTonight) await context.addInitScript(wantNoTime);
   const page = await context.newPage();
   // A busy machine may be given more time.
   page.setDefaultTimeout(Number(process.env.SKYGLOW_WAIT_MS ?? 30_000));

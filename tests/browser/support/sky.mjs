@@ -4,7 +4,7 @@ import { getJson } from "./browser.mjs";
 /** The demo scene, its largest town, and a place 30 km or so beside it that lies inside the scene. */
 export async function demo() {
   const scenes = await getJson("scenes");
-  const scene = scenes.find(({ id }) => id === "demo") ?? scenes[0];
+  const scene = scenes.find(({ id }) => id === (process.env.SKYGLOW_SCENE ?? "demo")) ?? scenes[0];
   const places = await getJson(`scenes/${scene.id}/places`);
   const town = [...places].sort((a, b) => (b.population ?? 0) - (a.population ?? 0))[0];
   const [west, south, east, north] = scene.bounds;

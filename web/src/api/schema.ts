@@ -1027,7 +1027,8 @@ export interface paths {
         put?: never;
         /**
          * Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is
-         *     taken by every query as `scenario`; the same body answers the same id, which is then whose it was.
+         *     taken by every query as `scenario`; the same body answers the same id, which is then whose it was. A scenario as it was answered may
+         *     be posted again, whole or its edits.
          */
         post: operations["post_scenario"];
         delete?: never;
@@ -3177,6 +3178,8 @@ export interface components {
             id: string;
             /** @description True for made-up light that only shows what the program does. */
             illustrative: boolean;
+            /** @description When it was ingested, RFC 3339 UTC; null for the demo and for scenes stored before this was noted. */
+            ingested?: string | null;
             /**
              * Format: int64
              * @description Pixels with light.

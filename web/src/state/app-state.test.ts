@@ -146,6 +146,14 @@ test("of several years the newest is shown", () => {
   assert.equal(shown([scene("year", "2023"), scene("may", "2023-05")]), "year");
   assert.equal(shown([y2020, scene("unknown", null)]), "y2020");
   assert.equal(shown([scene("africa", "2024", 90), y2020]), "y2020");
+  // Of one date, or of none, the one that was ingested last.
+  const ingested = (id: string, date: string | null, at?: string) => ({
+    ...scene(id, date),
+    ...(at === undefined ? {} : { ingested: at }),
+  });
+  const [march, may] = [ingested("march", null, "2026-03-01T00:00:00Z"), ingested("may", null, "2026-05-01T00:00:00Z")];
+  assert.deepEqual([shown([march, may]), shown([may, march]), shown([ingested("old", null), march])], ["may", "may", "march"]);
+  assert.equal(shown([ingested("late", "2020", "2026-05-01T00:00:00Z"), ingested("early", "2023")]), "early");
   const demo = { ...scene("demo", "2025"), illustrative: true };
   assert.equal(shown([demo, { ...y2020, illustrative: false }]), "y2020");
   // The search lists it once, under that scene.

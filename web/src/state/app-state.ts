@@ -205,6 +205,12 @@ function lastDay({ date }: Scene): string {
   return last === "" ? "" : `${last}-99-99`.slice(0, 10);
 }
 
+/** By the dates of their light; of one date, by when they were ingested. */
+function isNewer(scene: Scene, than: Scene): boolean {
+  const [day, otherDay] = [lastDay(scene), lastDay(than)];
+  return day === otherDay ? (scene.ingested ?? "") > (than.ingested ?? "") : day > otherDay;
+}
+
 /**
  * The scene that has a place: the one that is shown if it does, else a measured one, the smallest, and of several as small the newest;
  * null where none does.
@@ -218,8 +224,8 @@ export function sceneFor({ scenes, scene }: Pick<State, "scenes" | "scene">, pla
   const alike = there.filter(
     ({ bounds, illustrative }) => illustrative === smallest.illustrative && sizeOf(bounds) <= SAME_SIZE * sizeOf(smallest.bounds),
   );
-  // Where the dates say nothing, the smallest stays.
-  return alike.reduce((newest, other) => (lastDay(other) > lastDay(newest) ? other : newest), smallest);
+  // Where neither says anything, the smallest stays.
+  return alike.reduce((newest, other) => (isNewer(other, newest) ? other : newest), smallest);
 }
 
 /** The packs under the clouds of the state. */

@@ -70,6 +70,13 @@ test("former names of emissions are read", () => {
   assert.equal(stateFromFragment("#emission=0.2,0.8,0").emission, "0.2,0.8,0");
 });
 
+/** The API writes times with seconds, and people copy them. */
+test("times with seconds are read", () => {
+  assert.equal(stateFromFragment("#time=2026-08-12T22:30:59Z").time, "2026-08-12T22:30:00Z");
+  assert.equal(stateFromFragment("#time=2026-08-12T22:30Z").time, "2026-08-12T22:30:00Z");
+  assert.equal(stateFromFragment("#time=2026-08-12T22:30:99Z").time, null);
+});
+
 /** What makes no sense in a fragment takes its default. */
 test("invalid values take their default", () => {
   const state = stateFromFragment(

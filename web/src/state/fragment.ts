@@ -49,10 +49,10 @@ function emissionFromText(text: string | null): string {
   return FORMER_EMISSIONS[name] ?? name;
 }
 
-/** A time of the years that the server knows, as UTC in whole minutes. */
+/** A time of the years that the server knows, as UTC in whole minutes; seconds, as programs write them, are left out. */
 function timeFromText(text: string | null): string | null {
-  const minute = matching(text, /^(19|20)\d\d-\d\d-\d\dT\d\d:\d\dZ$/);
-  const instant = new Date(minute ?? "");
+  const written = matching(text, /^(19|20)\d\d-\d\d-\d\dT\d\d:\d\d(:[0-5]\d)?Z$/);
+  const instant = new Date(written === null ? "" : `${written.slice(0, 16)}Z`);
   return Number.isNaN(instant.getTime()) ? null : instant.toISOString().replace(".000", "");
 }
 

@@ -16,7 +16,7 @@ test("a caption says where, when and whose", () => {
     answer: { sky, coverage: 1, turbidity: 2.5 } as SkyAnswer,
     shares: null,
   };
-  const today = { lamp: "mixed", clouds: null, cloudCover: 100 } as const;
+  const today = { lamp: "mixed", clouds: null, cloudCover: 100, land: "dark" } as const;
   const view = { ...today, time: "2026-08-12T22:30:00Z", scenario: null, lights: "changed" } as const;
   const lines = captionLines(captioned, view);
   assert.deepEqual(lines, [
@@ -28,7 +28,8 @@ test("a caption says where, when and whose", () => {
   ]);
   const madeUp = { ...captioned, scene: { ...captioned.scene, illustrative: true } };
   assert.match(captionLines(madeUp, { ...view, time: null }).at(-1) ?? "", /not measured/);
-  assert.match(captionLines(captioned, { ...view, scenario: "s-0" })[3] ?? "", /^As painted · /);
+  assert.match(captionLines(captioned, { ...view, land: "snow" })[3] ?? "", /a clear sky · Ground: under snow$/);
+  assert.match(captionLines(captioned, { ...view, scenario: "s-0" })[3] ?? "", /^With changes · /);
 });
 
 /** Lines break between words alone, and a word that is too long has a line of its own. */

@@ -36,7 +36,8 @@ export function captionLines(
     cloudCover,
     scenario,
     lights,
-  }: Pick<ViewState, "time" | "lamp" | "clouds" | "cloudCover" | "scenario" | "lights">,
+    land,
+  }: Pick<ViewState, "time" | "lamp" | "clouds" | "cloudCover" | "scenario" | "lights" | "land">,
 ): string[] {
   const say = { ...words(), ...placeWords() };
   const at = coordinates(place.latitude_deg, place.longitude_deg);
@@ -49,6 +50,7 @@ export function captionLines(
     `${say.assumptions.turbidity} ${fixed(answer.turbidity, 1)}`,
     `${say.assumptions.lamps}: ${lampTitle(lamp)}`,
     `${say.assumptions.clouds}: ${cloudsTitle(clouds, cloudCover / 100)}`,
+    ...(land === "snow" ? [`${say.sky.land}: ${say.sky.landSnow}`] : []),
   ];
   const illustrative = scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? say.scene.illustrative : "";
   const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];

@@ -28,10 +28,11 @@ export function mountDownloads(store: AppStore): void {
     const { savePicture } = await import("./saving.ts");
     await savePicture(state, size.value === "4k" ? "4k" : "screen");
   });
-  const both = byId("save-both", HTMLButtonElement);
-  onSave(store, both, async (state) => (await import("./saving.ts")).saveBeforeAfter(state));
+  const both = { png: byId("save-both", HTMLButtonElement), gif: byId("save-both-gif", HTMLButtonElement) };
+  for (const format of ["png", "gif"] as const)
+    onSave(store, both[format], async (state) => (await import("./saving.ts")).saveBeforeAfter(state, format));
   store.watch(["scenario"], ({ scenario }) => {
-    both.hidden = scenario === null;
+    byId("save-moving", HTMLElement).hidden = scenario === null;
   });
   const look = [
     "projection",

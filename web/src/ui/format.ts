@@ -14,6 +14,11 @@ export function fixed(value: number, decimals: number): string {
   return decimal(value.toFixed(decimals));
 }
 
+/** A text whose numbers stay on one line with their units. */
+export function unbroken(text: string): string {
+  return text.replaceAll(/(\d) (?=%|km|mag|h |min)/g, "$1\u00a0");
+}
+
 /** A share as people say it: 0.3 %, 12 %. */
 export function percent(share: number): string {
   const size = 100 * share;

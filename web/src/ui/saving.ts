@@ -4,7 +4,7 @@ import { api } from "../api/client.ts";
 import type { SkyAnswer } from "../api/types.ts";
 import { eyeOfBoth } from "../data/both-skies.ts";
 import { words } from "../language/words.ts";
-import { type AppState, coordinatesOf, sceneOf, skyConditions } from "../state/app-state.ts";
+import { type AppState, coordinatesOf, landOf, sceneOf, skyConditions } from "../state/app-state.ts";
 import { animated } from "./apng.ts";
 import { captioned, captionLines } from "./captioned.ts";
 import { saveFile } from "./dom.ts";
@@ -15,8 +15,8 @@ import { type SavedSize, savedSizePx } from "./saved-size.ts";
 /** Each picture of a change is seen for so long. */
 const EACH_MS = 2000;
 
-function fileName(name: string, more = ""): string {
-  return `skyglow ${name.replaceAll(/[\\/:*?"<>|]/g, " ")}${more}.png`;
+function fileName(name: string, more = "", ending = "png"): string {
+  return `skyglow ${name.replaceAll(/[\\/:*?"<>|]/g, " ")}${more}.${ending}`;
 }
 
 /** The picture that the page shows, with its caption. */
@@ -27,14 +27,17 @@ export async function savePicture(state: Readonly<AppState>, size: SavedSize): P
   const parameters = { ...coordinatesOf(place), ...skyConditions(state) };
   const url = pictureUrl(scene.id, parameters, state, savedSizePx(projection, skyAspect, size));
   const name = placeName(place, places);
-  const lines = captionLines({ place, name, scene, answer, shares }, state);
+  const lines = captionLines({ place, name, scene, answer, shares }, { ...state, land: landOf(state) });
   const picture = await api.picture(url, new AbortController().signal);
   const [saved] = await captioned([{ picture, lines, label: "" }]);
   if (saved !== undefined) saveFile(saved, fileName(name));
 }
 
+/** Files of several pictures: an animated PNG has all colours, a GIF is played everywhere. */
+export type MovingFormat = "png" | "gif";
+
 /** The sky of today and with the changed lights, one after the other in one file, seen by one eye. */
-export async function saveBeforeAfter(state: Readonly<AppState>): Promise<void> {
+export async function saveBeforeAfter(state: Readonly<AppState>, format: MovingFormat): Promise<void> {
   const { place, places, projection, skyAspect, scenario } = state;
   const scene = sceneOf(state);
   if (scene === null || place === null || scenario === null) return;
@@ -60,14 +63,30 @@ export async function saveBeforeAfter(state: Readonly<AppState>): Promise<void> 
       picture: await api.picture(pictureUrl(scene.id, parameters, state, look), signal),
       lines: captionLines(
         { place, name, scene, answer: await answer, shares: null },
-        { ...state, scenario: lights, lights: "changed" },
+        { ...state, scenario: lights, lights: "changed", land: landOf(state) },
       ),
       label,
     })),
   );
   const pictures = await captioned(frames);
-  const bytes = await Promise.all(pictures.map(async (picture) => new Uint8Array(await picture.arrayBuffer())));
-  const file = animated(bytes, EACH_MS);
+  const file = format === "gif" ? await gifFile(pictures) : await pngFile(pictures);
   if (file === null) throw new Error(words().problems.headline);
-  saveFile(new Blob([file], { type: "image/png" }), fileName(name, ` ${sky.today} - ${after}`));
+  saveFile(new Blob([file], { type: `image/${format}` }), fileName(name, ` ${sky.today} - ${after}`, format));
+}
+
+async function pngFile(pictures: readonly Blob[]): Promise<Uint8Array<ArrayBuffer> | null> {
+  return animated(await Promise.all(pictures.map(async (picture) => new Uint8Array(await picture.arrayBuffer()))), EACH_MS);
+}
+
+async function gifFile(pictures: readonly Blob[]): Promise<Uint8Array<ArrayBuffer> | null> {
+  const { gifOf } = await import("./gif.ts");
+  return gifOf(await Promise.all(pictures.map(pixelsOf)), EACH_MS);
+}
+
+async function pixelsOf(picture: Blob): Promise<ImageData> {
+  const image = await createImageBitmap(picture);
+  const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+  if (context === null) throw new Error(words().problems.headline);
+  context.drawImage(image, 0, 0);
+  return context.getImageData(0, 0, image.width, image.height);
 }

@@ -7,19 +7,20 @@ import type { AppStore } from "../state/app-store.ts";
 import { sideTitles } from "./beside.ts";
 import { byId } from "./dom.ts";
 
-/** Whether a text already calls the scene illustrative. */
-function saysIllustrative(text: string): boolean {
-  return /illustrative/i.test(text);
-}
+/** What calls a scene illustrative in English, at the end of its title or in its credit. */
+const SAID_IN_TITLE = /\s*\([^()]*illustrative[^()]*\)$/i;
+const SAID_IN_CREDIT = /illustrative/i;
 
 function option({ id, title, illustrative }: Scene): HTMLOptionElement {
-  return new Option(illustrative && !saysIllustrative(title) ? words().scene.illustrativeTitle(title) : title, id);
+  return new Option(illustrative ? words().scene.illustrativeTitle(title.replace(SAID_IN_TITLE, "")) : title, id);
 }
 
 /** `when`: of both scenes where two are shown side by side. */
 function note({ illustrative, attribution }: Scene, when: string): string {
-  const warning = illustrative && !saysIllustrative(attribution ?? "") ? words().scene.illustrative : "";
-  return [warning, when, attribution ?? ""].filter((part) => part !== "").join(" · ");
+  // It is said in the language of the page, and once.
+  const warning = illustrative ? words().scene.illustrative : "";
+  const credit = illustrative && SAID_IN_CREDIT.test(attribution ?? "") ? "" : (attribution ?? "");
+  return [warning, when, credit].filter((part) => part !== "").join(" · ");
 }
 
 export function mountSceneSelect(store: AppStore): void {

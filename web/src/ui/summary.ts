@@ -2,6 +2,8 @@
 
 import type { NightSky, Shares, SkyAnswer } from "../api/types.ts";
 import { placeWords, words } from "../language/words.ts";
+import { eveningOf, eveningOfTonight } from "../night/time.ts";
+import type { AppState } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { coverOf, coverTitle } from "./clouds.ts";
 import { byId, make } from "./dom.ts";
@@ -76,14 +78,15 @@ function milkyWay({ sky, night_sky }: Summarized): string {
 }
 
 /** The sentences, the first of which says most. */
-export function summaryOf(answer: Summarized): string[] {
+export function summaryOf(answer: Summarized, isTonight = false): string[] {
   const { sky, night_sky } = answer;
   const say = placeWords().summary;
   const first = quality(answer);
   if (sky.bortle_class == null) return [first];
   const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
   if (isDay) return [first];
-  const stars = night_sky == null ? "" : say.stars(aboutStars(night_sky.stars.visible), aboutStars(night_sky.stars.above_horizon));
+  const tell = isTonight ? say.starsTonight : say.stars;
+  const stars = night_sky == null ? "" : tell(aboutStars(night_sky.stars.visible), aboutStars(night_sky.stars.above_horizon));
   return [first, milkyWay(answer), stars].filter((sentence) => sentence !== "");
 }
 
@@ -110,6 +113,13 @@ export function glowSentence({ sky, night_sky }: Summarized, { measure, places, 
   return say.glow(percent(first.share), first.name, too(others, MAX_NAMED - 1));
 }
 
+/** Whether the time is one of the coming night, or of the one that goes on. */
+function isTonight({ place, time }: Pick<AppState, "place" | "time">): boolean {
+  if (place === null || time === null) return false;
+  const { longitude_deg } = place;
+  return eveningOf(Date.parse(time), longitude_deg) === eveningOfTonight(Date.now(), longitude_deg);
+}
+
 export function mountSummary(store: AppStore): void {
   const container = byId("summary", HTMLElement);
   const glow = make("span", "");
@@ -119,7 +129,7 @@ export function mountSummary(store: AppStore): void {
       if (site === null) container.replaceChildren(...(isBusy ? [words().sky.waiting] : []));
       return;
     }
-    const [first = "", ...others] = summaryOf(answer);
+    const [first = "", ...others] = summaryOf(answer, isTonight(store.state));
     container.replaceChildren(make("strong", "", first), ...others.map((sentence) => ` ${sentence}`), glow);
   });
   // It comes later, and is then read aloud alone.

@@ -24,7 +24,7 @@ import { darkWeekend, middleOfDark, twoMonths } from "../night/weekend.ts";
 import { type AppState, coordinatesOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, debounced, make } from "./dom.ts";
-import { whole } from "./format.ts";
+import { unbroken, whole } from "./format.ts";
 import { bestOf, bestText, drawNightCurve } from "./night-curve.ts";
 
 const DAY_MS = 24 * 60 * MINUTE_MS;
@@ -119,7 +119,7 @@ export class TimeLine {
     );
     const clock = clockAt(range.fromMs, longitudeDeg);
     byId("night-hours", HTMLElement).replaceChildren(...hourMarks(range, clock));
-    byId("night-told", HTMLElement).textContent = nightText(night, clock);
+    byId("night-told", HTMLElement).textContent = unbroken(nightText(night, clock));
     this.date.value = night.date;
     this.slider.min = String(Math.ceil(range.fromMs / MINUTE_MS));
     this.slider.max = String(Math.floor(range.untilMs / MINUTE_MS));

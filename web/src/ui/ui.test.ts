@@ -78,7 +78,7 @@ test("each scattering has its own turbidities", () => {
   assert.deepEqual(residentScatterings(firstOrder), ["single"]);
   assert.deepEqual(turbidityRange(firstOrder, null), [1.5, 6]);
   assert.equal(turbidityRange(firstOrder, "multiple"), null);
-  assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["as often as it happens", "once only"]);
+  assert.deepEqual(["multiple", "single"].map(scatteringTitle), ["any number of times", "once only"]);
 });
 
 /** Clouds are those that there are packs for, and their packs are no clear sky's. */

@@ -31,7 +31,7 @@ impl From<LowSky> for LowSkyAnswer {
             darkest_luminance_cd_m2: low.darkest.1,
             brightest_azimuth_deg: low.brightest.0,
             brightest_luminance_cd_m2: low.brightest.1,
-            clean_directions_deg: low.clean,
+            clean_directions_deg: low.clean.into_iter().map(|range| range.map(rounded)).collect(),
         }
     }
 }

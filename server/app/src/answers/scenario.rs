@@ -4,7 +4,7 @@ use super::SceneReference;
 use crate::format::rfc3339;
 use serde::Serialize;
 use skyglow_observatory::ScenarioRecord;
-use skyglow_physics::{Lamp, LampKind};
+use skyglow_physics::{Lamp, LampKind, spectrum::wavelength_nm};
 use skyglow_scene::{Area, Change, ChangeId, Edit, Listed, Outline, Scenario};
 use utoipa::ToSchema;
 
@@ -70,7 +70,8 @@ pub struct EditAnswer {
 }
 
 impl EditAnswer {
-    fn new(edit: &Edit, lit_pixels: u64) -> Self {
+    /// The answer of an edit.
+    pub(crate) fn new(edit: &Edit, lit_pixels: u64) -> Self {
         let (area, radius_m) = match &edit.area {
             Area::Polygons(polygons) => {
                 (serde_json::json!({"type": "MultiPolygon", "coordinates": polygons}), None)
@@ -119,7 +120,11 @@ fn lamp_value(lamp: &Lamp) -> serde_json::Value {
                 shares.iter().map(|(lamp, share)| format!("{}:{share}", lamp.name())).collect();
             parts.join(",").into()
         }
-        LampKind::Spectrum(_) => "custom".into(),
+        LampKind::Spectrum(samples) => {
+            let parts =
+                samples.iter().enumerate().map(|(at, value)| format!("{}:{value}", wavelength_nm(at)));
+            parts.collect::<Vec<_>>().join(",").into()
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Scenes and their places.
 
+use crate::format::rfc3339;
 use serde::Serialize;
 use skyglow_scene::SceneMetadata;
 use utoipa::ToSchema;
@@ -39,6 +40,8 @@ pub struct SceneAnswer {
     pub places_count: u64,
     /// Whom to credit for the places, where the scene brought none of its own.
     pub places_source: Option<String>,
+    /// When it was ingested, RFC 3339 UTC; null for the demo and for scenes stored before this was noted.
+    pub ingested: Option<String>,
     /// Hash over all that the scene holds.
     pub version: String,
 }
@@ -79,6 +82,7 @@ impl From<SceneMetadata> for SceneAnswer {
             terrain: scene.terrain,
             places_count: scene.places_count,
             places_source: scene.places_source,
+            ingested: scene.ingested_unix_s.map(rfc3339),
             version: scene.version,
         }
     }

@@ -4,6 +4,7 @@ use super::sky::read_sky_at_night;
 use crate::{
     error::AppError,
     facts::SourceFacts,
+    format::rounded,
     parameters::{self as p, Parameter, ParameterSet},
     reader::Reader,
     validation::ValidationCode,
@@ -59,7 +60,7 @@ pub fn scene_night(query: Option<&str>, scene: SceneId, facts: &SourceFacts) -> 
     let sky = read_sky_at_night(&mut reader, scene, facts);
     reader.finish()?;
     let (Some(date), Some((sky, solar_flux_sfu))) = (date, sky) else { return Err(neither()) };
-    let site = Site::new(sky.place.latitude_deg(), sky.place.longitude_deg(), 0.0);
+    let site = Site::new(rounded(sky.place.latitude_deg()), rounded(sky.place.longitude_deg()), 0.0);
     let night = Night::of(site.map_err(AppError::internal)?, date);
     Ok(SceneNight { sky, night, solar_flux_sfu })
 }

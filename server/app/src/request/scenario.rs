@@ -6,6 +6,7 @@ use super::{
     influence::body_of,
     keeping::{Keeping, read_keeping},
     points::points_schema,
+    read_back,
     spectra::lamp_of,
 };
 use crate::{
@@ -20,6 +21,7 @@ use serde::{
 };
 use skyglow_physics::{EmissionMix, Lamp, LampChange, LampPreset, PreservedFlux};
 use skyglow_scene::{Area, Change, ChangeId, Edit, MAX_EDITS, Position, Scenario, SceneId};
+use std::marker::PhantomData;
 use utoipa::ToSchema;
 
 /// Longest title, characters.
@@ -46,16 +48,18 @@ pub struct ScenarioBody {
 }
 
 /// Reads edits and stops at the first that is too many.
-fn few_edits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<EditBody>, D::Error> {
-    struct Few;
-    impl<'de> Visitor<'de> for Few {
-        type Value = Vec<EditBody>;
+pub(super) fn few_edits<'de, D: Deserializer<'de>, E: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Vec<E>, D::Error> {
+    struct Few<E>(PhantomData<E>);
+    impl<'de, E: Deserialize<'de>> Visitor<'de> for Few<E> {
+        type Value = Vec<E>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
             write!(f, "1 to {MAX_EDITS} edits")
         }
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<EditBody>, A::Error> {
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<E>, A::Error> {
             let mut edits = Vec::new();
             while let Some(edit) = list.next_element()? {
                 if edits.len() == MAX_EDITS {
@@ -66,7 +70,7 @@ fn few_edits<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<EditBody>
             Ok(edits)
         }
     }
-    deserializer.deserialize_seq(Few)
+    deserializer.deserialize_seq(Few(PhantomData))
 }
 
 /// One edit: an area, and either a change of the lights there or new light.
@@ -156,7 +160,10 @@ impl FixtureBody {
 pub fn scenario(query: Option<&str>, body: &[u8], scene: SceneId) -> Result<(Scenario, Keeping), AppError> {
     let mut reader = Reader::new(query, p::ScenarioPostParameters::ALL);
     let keeping = read_keeping(&mut reader);
-    let body: ScenarioBody = body_of(body, &mut reader, "a JSON object with `edits`");
+    let body: ScenarioBody = match read_back::body(body) {
+        Some(answered) => answered,
+        None => body_of(body, &mut reader, "a JSON object with `edits`"),
+    };
     if body.title.as_ref().is_some_and(|title| title.chars().count() > MAX_TITLE_CHARS) {
         reader.fail_body("title", &"is too long", &format!("{MAX_TITLE_CHARS} characters"));
     }

@@ -178,12 +178,14 @@ pub(super) fn read_conditions(reader: &mut Reader, facts: &SourceFacts) -> Optio
     let tolerance = read_tolerance(reader);
     let terrain_hides = reader.choice(&p::TERRAIN) != Some("off");
     reader.is_fine().then_some(())?;
+    // A layer without a cloud is a clear sky: lights behind skylines and Bortle's classes count as they do there.
+    let is_clear = broken_clouds.is_some_and(|clouds| clouds.cover() == 0.0);
     Some(Conditions {
         scenario,
         turbidity: turbidity?,
         scattering: kind?.scattering,
-        cloud_base_m: cloud_base_m?,
-        broken_clouds,
+        cloud_base_m: cloud_base_m?.filter(|_| !is_clear),
+        broken_clouds: broken_clouds.filter(|_| !is_clear),
         lamp,
         response,
         emission,

@@ -181,7 +181,9 @@ fn broken_clouds_need_a_layer_and_a_clear_sky() {
     let with_clouds = |query: &str| broken(&format!("&clouds=1000{query}"));
     assert_eq!((with_clouds(""), with_clouds("&cloud_cover=1&cloud_pattern=2")), (None, None));
     assert_eq!(with_clouds("&cloud_cover=0.25"), BrokenClouds::new(0.25, None).ok());
-    assert_eq!(with_clouds("&cloud_cover=0&cloud_pattern=7"), BrokenClouds::new(0.0, Some(7)).ok());
+    // A layer without a cloud is a clear sky.
+    let clear = read("&clouds=1000&cloud_cover=0&cloud_pattern=7").unwrap().0;
+    assert_eq!((clear.cloud_base_m, clear.broken_clouds), (None, None));
     assert_eq!(read("&clouds=1000&cloud_cover=0.5&sky=total").unwrap().1.options.sky, Sky::Total);
     for (query, parameter, code) in [
         ("&cloud_cover=0.5", "cloud_cover", ValidationCode::Conflict),

@@ -8,12 +8,16 @@ use axum::{
     extract::RawQuery,
     http::{HeaderValue, Response, header},
 };
-use skyglow_scene::SceneId;
+use skyglow_physics::GeoPoint;
+use skyglow_scene::{Gazetteer, SceneId};
 
 /// Nothing runs there and nothing is loaded.
 const POLICY: &str = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// Shape that previews have room for, pixels.
 const PICTURE_PX: (u32, u32) = (1200, 630);
+/// Directions, from north eastwards.
+const COMPASS: [&str; 16] =
+    ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
 /// Longer views are no view.
 const MAX_VIEW_BYTES: usize = 4096;
 
@@ -71,8 +75,10 @@ fn page(view: &str, base: &str) -> String {
     let picture = picture_path(view);
     let title = picture.as_ref().map_or_else(
         || "Skyglow".to_owned(),
-        |(_, lat, lon)| format!("The night sky at {} – Skyglow", coordinates(*lat, *lon)),
+        |(_, lat, lon)| escaped(&format!("The night sky {} – Skyglow", whereabouts(*lat, *lon))),
     );
+    let at =
+        picture.as_ref().map_or_else(String::new, |(_, lat, lon)| format!("{}. ", coordinates(*lat, *lon)));
     let shown = picture.filter(|_| !base.is_empty()).map_or_else(String::new, |(path, ..)| {
         let (width_px, height_px) = PICTURE_PX;
         format!(
@@ -87,9 +93,23 @@ fn page(view: &str, base: &str) -> String {
          <meta name=\"robots\" content=\"noindex\"><meta property=\"og:type\" content=\"website\">\
          <meta property=\"og:site_name\" content=\"Skyglow\">\n\
          <meta property=\"og:title\" content=\"{title}\">\n\
-         <meta property=\"og:description\" content=\"How dark it is, whose light it is, and what would help.\">\n\
+         <meta property=\"og:description\" content=\"{at}How dark it is, whose light it is, and what would help.\">\n\
          {shown}<meta http-equiv=\"refresh\" content=\"0; url={viewer}\">\n<p><a href=\"{viewer}\">Skyglow</a></p></html>\n"
     )
+}
+
+/// The place in words: its name, how far it is from a named one, or its coordinates.
+fn whereabouts(lat: f64, lon: f64) -> String {
+    const SAME_M: f64 = 1_500.0;
+    let named = GeoPoint::from_deg(lat, lon).ok().and_then(|at| Gazetteer::world().nearest(at));
+    match named {
+        None => format!("at {}", coordinates(lat, lon)),
+        Some((place, bearing)) if bearing.distance_m < SAME_M => format!("over {}", place.name),
+        Some((place, bearing)) => {
+            let [km, towards] = [1e-3 * bearing.distance_m, bearing.azimuth_rad.to_degrees() / 22.5];
+            format!("{km:.0} km {} of {}", COMPASS[towards.round() as usize % 16], place.name)
+        }
+    }
 }
 
 /// Degrees with their side of the equator and of Greenwich.
@@ -125,6 +145,13 @@ mod tests {
         let view = "scene=demo&lat=46.17&lon=-8.79&time=2026-08-12T22%3A30Z&scenario=s-0123456789abcdef0123&towards=210";
         let page = super::page(view, "https://sky.example.org/glow");
         assert!(page.contains("The night sky at 46.1700° N, 8.7900° W – Skyglow"), "{page}");
+        for (place, words) in
+            [("lat=-1.2833&lon=36.8167", "over Nairobi"), ("lat=46.1785&lon=8.7", "km W of Locarno")]
+        {
+            let page = super::page(&format!("scene=x&{place}"), "https://sky.example.org");
+            let title = page.split("og:title").nth(1).unwrap();
+            assert!(title.split("og:").next().unwrap().contains(words), "{page}");
+        }
         let image = "content=\"https://sky.example.org/glow/api/v1/scenes/demo/panorama.png?lat=46.17&amp;lon=-8.79&amp;";
         assert!(page.contains(image), "{page}");
         for part in ["azimuth=210", "time=2026-08-12T22%3A30Z", "scenario=s-0123456789abcdef0123"] {

@@ -28,7 +28,8 @@ use skyglow_app::{
 };
 
 /// Paints over a scene: dims, brightens or adds lights, replaces lamps, changes where they shine. The id that is answered is
-/// taken by every query as `scenario`; the same body answers the same id, which is then whose it was.
+/// taken by every query as `scenario`; the same body answers the same id, which is then whose it was. A scenario as it was answered may
+/// be posted again, whole or its edits.
 #[utoipa::path(
     post,
     path = "/api/v1/scenes/{scene}/scenarios",

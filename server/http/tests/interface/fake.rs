@@ -194,6 +194,7 @@ impl Fake {
             light_skylines: true,
             places_count: 1,
             places_source: None,
+            ingested_unix_s: Some(1_764_374_400),
             // A real scene's is a hash of all that is said of it.
             version: {
                 let measured = if self.illustrative.load(Ordering::SeqCst) { "" } else { "-measured" };

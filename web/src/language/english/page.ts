@@ -51,7 +51,7 @@ export const page = {
     brightness: "Sky everywhere",
     brightnessOpacity: "Opacity of the sky everywhere",
     mapMeasure: "What of the sky the map shows",
-    influence: "Lights that cause it",
+    influence: "Whose light it is",
     influenceOpacity: "Opacity of the lights that cause it",
     elevation: "Terrain",
     elevationOpacity: "Opacity of the terrain",
@@ -86,7 +86,7 @@ export const page = {
     today: "Today",
     both: "Both",
     withPlan: "With the plan",
-    asPainted: "As painted",
+    asPainted: "With changes",
     kind: "Light shown",
     artificial: "Artificial",
     total: "With natural sky",
@@ -130,7 +130,7 @@ export const page = {
     title: "How bright is the night there?",
     what: "Skyglow adds up the light of every town within 300 km, scattered by air and haze.",
     pick: "**Pick a place** on the map, or search for one. Its sky appears, with its numbers.",
-    blame: "**See who is to blame**: switch on “Lights that cause it”, or mark a part of the sky.",
+    blame: "**See who is to blame**: switch on “Whose light it is”, or mark a part of the sky.",
     mend: "**Get the stars back**: find the least light to dim, or paint other lights over the map.",
   },
   /** What sees the sky. */
@@ -218,7 +218,7 @@ export const page = {
     full_cutoff: "shielded: none to the horizon",
   },
   scatterings: {
-    multiple: "as often as it happens",
+    multiple: "any number of times",
     single: "once only",
   },
   /** From north by east. */

@@ -88,14 +88,15 @@ export const place = {
       "The Milky Way stands out clearly.",
     ],
     stars: (visible: string, all: string) => `You see about ${visible} of ${all} stars.`,
+    starsTonight: (visible: string, all: string) => `You see about ${visible} of ${all} stars tonight.`,
     /** `more`: others with their parts, or nothing. */
     glow: (percent: string, town: string, more: string) => `${percent} % of the glow comes from ${town}${more}.`,
     glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
     /** Most of all, or more than of any town, is no town's light. */
     glowMostlyFar: (percent: string, more: string) =>
-      `Most of the glow (${percent} %) comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
+      `Most of the glow, ${percent} %, comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
     glowFar: (percent: string, more: string) =>
-      `${percent} % of the glow comes from lights far from any town, such as gas flares, mines, greenhouses or fishing fleets${more}.`,
+      `${percent} % of the glow comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
     glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
   },
   /** Whose light the sky is. */
@@ -401,7 +402,10 @@ export const place = {
     size: "Size",
     sizeScreen: "for a screen",
     size4k: "4K",
-    saveBoth: "Save before and after, moving",
+    saveBoth: "Before and after, moving",
+    saveBothWhy: "Animated PNG: all colours, for browsers",
+    saveBothGif: "as GIF",
+    saveBothGifWhy: "GIF of 256 colours, for programs that play no animated PNG",
     hdr: "For screens that go above white (HDR): Moon, stars and lamps shine. Other programs show it too grey",
     png: "The picture with its legend",
     exr: "Raw radiance, OpenEXR",

@@ -79,7 +79,7 @@ export const page: PageWords = {
     today: "Heute",
     both: "Beides",
     withPlan: "Mit dem Plan",
-    asPainted: "Wie gemalt",
+    asPainted: "Mit Änderungen",
     kind: "Gezeigtes Licht",
     artificial: "Künstlich",
     total: "Mit natürlichem",
@@ -209,7 +209,7 @@ export const page: PageWords = {
     full_cutoff: "abgeschirmt: keines zum Horizont",
   },
   scatterings: {
-    multiple: "so oft es vorkommt",
+    multiple: "beliebig oft",
     single: "nur einmal",
   },
   compass: ["N", "NNO", "NO", "ONO", "O", "OSO", "SO", "SSO", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"],

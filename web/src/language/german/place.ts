@@ -81,11 +81,12 @@ export const place: PlaceWords = {
     glow: (percent, town, more) => `${percent} % der Aufhellung stammen aus ${town}${more}.`,
     glowToo: (percent, town) => `, ${percent} % aus ${town}`,
     glowMostlyFar: (percent, more) =>
-      `Der größte Teil der Aufhellung (${percent} %) stammt von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
+      `Der größte Teil der Aufhellung, ${percent} %, stammt von Lichtern fern jeder Stadt (Gasfackeln, Bergwerke, Gewächshäuser, Fischerflotten)${more}.`,
     glowFar: (percent, more) =>
-      `${percent} % der Aufhellung stammen von Lichtern fern jeder Stadt, etwa Gasfackeln, Bergwerken, Gewächshäusern oder Fischerflotten${more}.`,
+      `${percent} % der Aufhellung stammen von Lichtern fern jeder Stadt (Gasfackeln, Bergwerke, Gewächshäuser, Fischerflotten)${more}.`,
     glowOfMany: (percent) => `Die Aufhellung stammt aus vielen Städten, aus jeder höchstens ${percent} %.`,
     stars: (visible, all) => `Man sieht etwa ${visible} von ${all} Sternen.`,
+    starsTonight: (visible, all) => `Heute Nacht sieht man etwa ${visible} von ${all} Sternen.`,
   },
   shares: {
     overhead: "Wessen Licht über uns",
@@ -372,7 +373,10 @@ export const place: PlaceWords = {
     size: "Größe",
     sizeScreen: "für einen Bildschirm",
     size4k: "4K",
-    saveBoth: "Vorher und nachher speichern, bewegt",
+    saveBoth: "Vorher und nachher, bewegt",
+    saveBothWhy: "Animiertes PNG: alle Farben, für Browser",
+    saveBothGif: "als GIF",
+    saveBothGifWhy: "GIF mit 256 Farben, für Programme, die kein animiertes PNG abspielen",
     hdr: "Für Bildschirme, die über Weiß hinausgehen (HDR): Mond, Sterne und Lampen leuchten. Andere Programme zeigen es zu grau",
     png: "Das Bild mit seiner Legende",
     exr: "Rohe Strahldichten, OpenEXR",
