@@ -87,8 +87,8 @@ def ratio(value: float) -> str:
 
 
 def brightness() -> QgsSingleBandPseudoColorRenderer:
-    """Artificial light over the natural sky."""
-    labels = ["Artificial over natural light:"]
+    """Light by that of the natural sky."""
+    labels = ["Relative to the natural sky:"]
     labels += [f"{ratio(low)} – {ratio(high)}" for low, high in zip(RATIOS, RATIOS[1:])]
     labels += [f"above {ratio(RATIOS[-1])}"]
     limits = [part * NATURAL_CD_M2 for part in RATIOS]

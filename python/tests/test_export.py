@@ -72,6 +72,25 @@ def test_the_catalogue_is_valid(mosaic):
         validator.validate_core(broken, pystac.STACObjectType.COLLECTION, "1.1.0")
 
 
+def test_a_map_may_be_one_file(client, map_in_shards, tmp_path):
+    """One file with every number, and a valid catalogue that names its box once."""
+    (path,) = skyglow.export.cogs(map_in_shards, tmp_path / "one")
+    values, transform = by_the_program(client, tmp_path / "whole.tif")
+    with rasterio.open(path) as file:
+        assert np.array_equal(bits(file.read(1)), bits(values))
+        assert file.transform.almost_equals(transform)
+        bounds = list(file.bounds)
+    collection = pystac.Collection.from_file(str(path.parent / "collection.json"))
+    assert [list(box) for box in collection.extent.spatial.bboxes] == [pytest.approx(bounds)]
+    assert [item.id for item in collection.get_items()] == [f"demo-{path.stem}"]
+    JsonSchemaSTACValidator().validate_core(
+        json.loads((path.parent / "collection.json").read_text()),
+        pystac.STACObjectType.COLLECTION,
+        "1.1.0",
+        href=str(path.parent / "collection.json"),
+    )
+
+
 def test_boxes_are_joined_across_the_antimeridian():
     """The narrowest box around all: one whose west is east of its east, or of all longitudes, or a plain one."""
     fiji, samoa, chukotka = (176.0, -20.0, 179.0, -15.0), (-173.0, -15.0, -171.0, -13.0), (170.0, 62.0, -170.0, 70.0)

@@ -99,6 +99,18 @@ class Rasters(WithFolder):
         tiles = self.run_algorithm("brightness", FORM="tiles")["TILES"]
         self.assertIn(f"url={SERVER}/api/v1/scenes/demo/tiles/brightness/", tiles)
 
+    def test_brightness_of_another_measure(self) -> None:
+        """Light on the ground is coloured by that of the natural sky, not by what the zenith has."""
+        output = str(self.folder / "horizontal.tif")
+        self.run_algorithm("brightness", MEASURE="horizontal", OUTPUT=output)
+        said = api("/tiles/brightness/tilejson.json", {"measure": "horizontal"})
+        raster = gdal.Open(output)
+        self.assertEqual((raster.GetRasterBand(1).GetUnitType(), said["unit"]), ("lx", "lx"))
+        for number, limit in enumerate(limits(output)):
+            self.assertTrue(math.isclose(limit, 0.01 * 2**number * said["natural"], rel_tol=1e-6), number)
+        tiles = self.run_algorithm("brightness", MEASURE="horizontal", FORM="tiles")["TILES"]
+        self.assertIn("measure%3Dhorizontal", tiles)
+
     def test_another_format_is_refused(self) -> None:
         """The server's GeoTIFF is not written under another name."""
         self.assertIn(".tif", self.failure("influence", POINT=POINT, OUTPUT=str(self.folder / "influence.png")))

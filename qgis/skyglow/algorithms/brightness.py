@@ -1,4 +1,4 @@
-"""The artificial brightness of the zenith everywhere."""
+"""The brightness of the sky, or the light on the ground or on walls, everywhere."""
 
 from __future__ import annotations
 
@@ -20,22 +20,38 @@ from .base import SkyglowAlgorithm
 from .rasters import write_raster
 
 FILE, TILES = "file", "tiles"
-TITLE = "Artificial brightness of the zenith"
+MAP_MEASURES = [
+    "zenith",
+    "mean",
+    "horizontal",
+    "slope",
+    "vertical_north",
+    "vertical_east",
+    "vertical_south",
+    "vertical_west",
+    "vertical_largest",
+    "cylindrical",
+    "spherical",
+]
+# The natural sky that the limits of the style are of, cd/m²: see `make_styles.py`.
+STYLE_NATURAL = 2.2855528021820134e-4
 
 
 class BrightnessAlgorithm(SkyglowAlgorithm):
     """``skyglow:brightness``."""
 
     NAME = "brightness"
-    TITLE = "Brightness of the zenith everywhere"
+    TITLE = "Brightness of the sky everywhere"
     HELP = (
-        "The artificial luminance of the zenith at every place of the scene (cd/m²), as a cloud-optimized GeoTIFF "
-        "on the scene's own grid, or as map tiles that the server draws. The first time takes seconds to minutes, "
-        "and shows how far it is; then the server has it."
+        "The artificial luminance of the zenith at every place of the scene (cd/m²), or another measure such as the "
+        "light on level ground (lx), as a cloud-optimized GeoTIFF on the scene's own grid, or as map tiles that the "
+        "server draws. It is coloured by what the natural sky has of that measure. The first time takes seconds to "
+        "minutes, and shows how far it is; then the server has it."
     )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: N802
         """Its parameters."""
+        self.add_measure(MAP_MEASURES)
         self.addParameter(QgsProcessingParameterEnum("FORM", "As", [FILE, TILES], False, FILE, False, True))
         self.addParameter(QgsProcessingParameterRasterDestination("OUTPUT", "Brightness (file)", None, True))
         self.addOutput(QgsProcessingOutputString("TILES", "Source of the tiles' layer"))
@@ -46,29 +62,34 @@ class BrightnessAlgorithm(SkyglowAlgorithm):
     ) -> dict[str, Any]:
         """Asks for the file, or for the tiles once they are ready."""
         server, scene = self.server(parameters, context), self.scene(parameters, context)
-        query = self.query(parameters, context)
+        measure = self.measure(parameters, context)
+        query = {"measure": measure if measure != MAP_MEASURES[0] else None, **self.query(parameters, context)}
         # The file is of the same map as the tiles, whose description says how far that is.
         described = server.when_ready(server.scene_url(scene, "/tiles/brightness/tilejson.json", query), feedback)
         feedback.pushInfo(described["description"])
+        # What it shows, in the server's words, before its limits.
+        title = described["description"].partition(": ")[0]
+        title = title[:1].upper() + title[1:]
         if self.parameterAsString(parameters, "FORM", context) == TILES:
-            return {"TILES": self._tiles(server, described, context)}
+            return {"TILES": self._tiles(server, described, title, context)}
         path = self.parameterAsOutputLayer(parameters, "OUTPUT", context)
         if not path:
             raise QgsProcessingException("Choose a file for the brightness.")
         url = server.scene_url(scene, "/layers/brightness.tif", query)
         write_raster(path, server.get(url, feedback).body)
-        styles.style_file(path, "brightness")
-        styles.style_on_load(context, path, "brightness", name=TITLE)
+        whole = described["natural"] / STYLE_NATURAL
+        styles.style_file(path, "brightness", whole)
+        styles.style_on_load(context, path, "brightness", whole, title)
         return {"OUTPUT": path}
 
-    def _tiles(self, server: Server, described: dict[str, Any], context: QgsProcessingContext) -> str:
+    def _tiles(self, server: Server, described: dict[str, Any], title: str, context: QgsProcessingContext) -> str:
         source = tile_source(server, described)
-        layer = QgsRasterLayer(source, TITLE, "wms")
+        layer = QgsRasterLayer(source, title, "wms")
         if not layer.isValid():
             raise QgsProcessingException("QGIS cannot read the tiles.")
         context.temporaryLayerStore().addMapLayer(layer)
         if context.project() is not None:
-            details = QgsProcessingContext.LayerDetails(TITLE, context.project(), "TILES")
+            details = QgsProcessingContext.LayerDetails(title, context.project(), "TILES")
             context.addLayerToLoadOnCompletion(layer.id(), details)
         return source
 

@@ -22,7 +22,7 @@
       </minMaxOrigin>
       <rastershader>
         <colorrampshader clip="0" minimumValue="0" maximumValue="0.0093616242777375264" colorRampType="DISCRETE" classificationMode="1" labelPrecision="6">
-          <item alpha="0" value="2.28555280218201e-06" color="#000000" label="Artificial over natural light:"/>
+          <item alpha="0" value="2.28555280218201e-06" color="#000000" label="Relative to the natural sky:"/>
           <item alpha="255" value="4.57110560436403e-06" color="#0d0887" label="1 % – 2 %"/>
           <item alpha="255" value="9.14221120872805e-06" color="#3a049b" label="2 % – 4 %"/>
           <item alpha="255" value="1.82844224174561e-05" color="#5d01a6" label="4 % – 8 %"/>

@@ -12,6 +12,9 @@ use thiserror::Error;
 
 /// Side of a tile of a sparse file, pixels, as a power of two.
 const TILE_SHIFT: u32 = 8;
+const TILE_SIDE: u32 = 1 << TILE_SHIFT;
+/// Sides of the coarsest overview of a sparse file at most, pixels.
+const LARGEST_OVERVIEW: u32 = 512;
 
 /// GDAL could not write a raster.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -35,8 +38,8 @@ pub struct RasterMetadata<'a> {
     pub notes: &'a [(&'a str, &'a str)],
 }
 
-/// Numbers of pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all other
-/// pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+/// Numbers of pixels as a cloud-optimized GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated, with overviews of means;
+/// all other pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
 ///
 /// * `pixels`: Morton codes, ascending, each with its number.
 pub(crate) fn of_pixels(
@@ -56,14 +59,38 @@ pub(crate) fn of_pixels(
     let size = (grid.width as usize, grid.height as usize);
     let mut dataset =
         driver.create_with_band_type_with_options::<f32, _>(&file.0, size.0, size.1, 1, &options)?;
-    let mut band = describe(&mut dataset, &grid.geotransform, &grid.crs_wkt, metadata)?;
+    describe(&mut dataset, &grid.geotransform, &grid.crs_wkt, metadata)?;
+    // Such a file has its directories first, then the data of overviews from the coarsest on. GDAL's own driver for it visits every tile
+    // of the raster, which takes seconds of a large one; here only those with numbers are written, in that order.
+    let mut levels = vec![pixels.to_vec()];
+    while (grid.width.max(grid.height) >> (levels.len() - 1)) > LARGEST_OVERVIEW {
+        levels.push(halved(&levels[levels.len() - 1]));
+    }
+    let factors: Vec<i32> = (1..levels.len()).map(|level| 1 << level).collect();
+    if !factors.is_empty() {
+        dataset.build_overviews("NONE", &factors, &[])?;
+    }
+    let mut band = dataset.rasterband(1)?;
+    for (level, pixels) in levels.iter().enumerate().rev() {
+        match level.checked_sub(1) {
+            Some(index) => write_tiles(&mut band.overview(index)?, pixels)?,
+            None => write_tiles(&mut band, pixels)?,
+        }
+    }
+    dataset.close()?;
+    Ok(vsi::get_vsi_mem_file_bytes_owned(&file.0)?)
+}
+
+/// Numbers of pixels into those tiles of a band that have any; in the file when this returns.
+fn write_tiles(band: &mut RasterBand<'_>, pixels: &[(u64, f32)]) -> Result<(), RasterError> {
     // Pixels of a tile are one run of codes.
     let tile_of = |pixel: &(u64, f32)| pixel.0 >> (2 * TILE_SHIFT);
+    let (columns, rows) = band.size();
     for run in pixels.chunk_by(|a, b| tile_of(a) == tile_of(b)) {
-        let side = 1u32 << TILE_SHIFT;
         let (tile_column, tile_row) = morton::decode(tile_of(&run[0]));
-        let (west, north) = (tile_column * side, tile_row * side);
-        let (width, height) = (side.min(grid.width - west) as usize, side.min(grid.height - north) as usize);
+        let (west, north) = (tile_column * TILE_SIDE, tile_row * TILE_SIDE);
+        let cut = |from: u32, whole: usize| (TILE_SIDE as usize).min(whole - from as usize);
+        let (width, height) = (cut(west, columns), cut(north, rows));
         let mut tile = vec![f32::NAN; width * height];
         for &(code, value) in run {
             let (column, row) = morton::decode(code);
@@ -72,8 +99,16 @@ pub(crate) fn of_pixels(
         let mut buffer = Buffer::new((width, height), tile);
         band.write((west as isize, north as isize), (width, height), &mut buffer)?;
     }
-    dataset.close()?;
-    Ok(vsi::get_vsi_mem_file_bytes_owned(&file.0)?)
+    flush(band)
+}
+
+/// Pixels twice as large, each the mean of those in it that have a number.
+fn halved(pixels: &[(u64, f32)]) -> Vec<(u64, f32)> {
+    let mean = |run: &[(u64, f32)]| {
+        let sum: f64 = run.iter().map(|pixel| f64::from(pixel.1)).sum();
+        (run[0].0 >> 2, (sum / run.len() as f64) as f32)
+    };
+    pixels.chunk_by(|a, b| a.0 >> 2 == b.0 >> 2).map(mean).collect()
 }
 
 /// Numbers of places as a cloud-optimized GeoTIFF in the scene's CRS: one float32 band, deflated, with overviews; NaN is no data.
@@ -130,6 +165,18 @@ fn set_unit(band: &RasterBand<'_>, unit: &str) -> Result<(), RasterError> {
         Ok(())
     } else {
         Err(RasterError("the unit was refused".to_owned()))
+    }
+}
+
+/// Writes what a band has in its cache.
+fn flush(band: &RasterBand<'_>) -> Result<(), RasterError> {
+    #[expect(unsafe_code, reason = "the safe bindings have no such call")]
+    // SAFETY: the band is open while it is borrowed.
+    let result = unsafe { gdal_sys::GDALFlushRasterCache(band.c_rasterband()) };
+    if result == gdal_sys::CPLErr::CE_None {
+        Ok(())
+    } else {
+        Err(RasterError("its tiles were not written".to_owned()))
     }
 }
 

@@ -55,9 +55,64 @@ fn pixel_geotiffs_hold_numbers_in_place() {
             assert!(raster.values[row as usize * raster.size.0 + column as usize] > 0.0);
             wanted[row as usize * raster.size.0 + column as usize] = *value;
         }
-        let alike = read.iter().zip(&wanted).filter(|(a, b)| a == b || (a.is_nan() && b.is_nan())).count();
-        assert_eq!(alike, wanted.len());
+        assert_alike(&read, &wanted);
     }
+}
+
+fn assert_alike(read: &[f32], wanted: &[f32]) {
+    let alike = read.iter().zip(wanted).filter(|(a, b)| a == b || (a.is_nan() && b.is_nan())).count();
+    assert_eq!((alike, read.len()), (wanted.len(), wanted.len()));
+}
+
+/// Overviews are means of the pixels that have a number, and lie in the file as a cloud-optimized GeoTIFF has them: directories first, then
+/// the coarsest.
+#[test]
+fn pixel_geotiffs_are_cloud_optimized() {
+    let test_store = TestStore::new();
+    let raster = TestRaster::scattered(1301, 530);
+    let scene = test_store.scene(&raster);
+    let numbers: Vec<u32> = (0..u32::try_from(scene.metadata().lit_pixels).unwrap()).collect();
+    let values: Vec<f32> = numbers.iter().map(|number| 1.0 + (number % 7) as f32).collect();
+    let path = "/vsimem/cloud-optimized.tif";
+    vsi::create_mem_file(path, scene.pixels_geotiff(&numbers, &values, &WORDS).unwrap()).unwrap();
+    let dataset = Dataset::open(path).unwrap();
+    let band = dataset.rasterband(1).unwrap();
+    assert_eq!(band.overview_count().unwrap(), 2);
+    let mut bands = vec![band];
+    for index in 0..2 {
+        let overview = bands[0].overview(index).unwrap();
+        bands.push(overview);
+    }
+    assert_eq!(
+        bands.iter().map(|band| band.size()).collect::<Vec<_>>(),
+        [(1301, 530), (651, 265), (326, 133)]
+    );
+    let all: Vec<Vec<f32>> = bands
+        .iter()
+        .map(|band| band.read_as::<f32>((0, 0), band.size(), band.size(), None).unwrap().data().to_vec())
+        .collect();
+    for level in 1..3 {
+        let ((columns, rows), (width, height)) = (bands[level].size(), bands[level - 1].size());
+        let mean = |index: usize| {
+            let (column, row) = (2 * (index % columns), 2 * (index / columns));
+            let around = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| (column + c, row + r));
+            let inside = around.into_iter().filter(|(c, r)| *c < width && *r < height);
+            let lit: Vec<f32> =
+                inside.map(|(c, r)| all[level - 1][r * width + c]).filter(|value| !value.is_nan()).collect();
+            lit.iter().sum::<f32>() / lit.len() as f32
+        };
+        let wanted: Vec<f32> = (0..columns * rows).map(mean).collect();
+        assert!(wanted.iter().any(|value| value.is_nan()) && wanted.iter().any(|value| *value > 1.0));
+        let differs = |(a, b): (&f32, &f32)| !((a - b).abs() < 1e-5 || (a.is_nan() && b.is_nan()));
+        assert!(!all[level].iter().zip(&wanted).any(differs), "{level}");
+    }
+    let at = |level: usize, item: &str| -> u64 {
+        bands[level].metadata_item(item, "TIFF").unwrap().parse().unwrap()
+    };
+    let directories: Vec<u64> = (0..3).map(|level| at(level, "IFD_OFFSET")).collect();
+    let tiles: Vec<u64> = (0..3).rev().map(|level| at(level, "BLOCK_OFFSET_0_0")).collect();
+    let order = [directories, tiles].concat();
+    assert!(order.is_sorted_by(|a, b| a < b), "{order:?}");
 }
 
 #[test]

@@ -75,7 +75,7 @@ impl Scene {
         }
     }
 
-    /// Numbers of lit pixels as a GeoTIFF, as [`Self::codes_geotiff`]; those of lights that share a pixel are added up.
+    /// Numbers of lit pixels as a cloud-optimized GeoTIFF, as [`Self::codes_geotiff`]; those of lights that share a pixel are added up.
     ///
     /// * `numbers`: of lit pixels ([`Self::column_and_row`]); `values` in parallel.
     ///
@@ -98,8 +98,8 @@ impl Scene {
         self.codes_geotiff(&pixels, metadata)
     }
 
-    /// Numbers of pixels as a GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated in tiles of 256; all other
-    /// pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
+    /// Numbers of pixels as a cloud-optimized GeoTIFF on the scene's grid and in its CRS: one float32 band, deflated, with overviews of
+    /// means; all other pixels are no data (NaN). Only tiles with numbers are written, so a few pixels of a large raster are a small file.
     ///
     /// * `pixels`: codes ([`Self::pixel_code`]), ascending, each with its number.
     ///
