@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [gallery|night|land|clouds|natural|ground|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [gallery|night|land|clouds|natural|ground|slopes|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+`slopes` alone needs two maps in FOLDER, slope.tif and horizontal.tif, each by
+skyglow atlas --scene demo --bounds 7.4,45.6,9.8,47.0 --measure slope -o FOLDER/slope.tif
 On Debian: apt-get install python3-requests python3-rasterio python3-pil python3-matplotlib
 """
 
@@ -314,16 +316,56 @@ def swaps():
     figure.savefig(f"{FOLDER}/lamp-swaps.png", dpi=110)
 
 
+def half_moon():
+    """Illuminance of level ground by a half Moon, lux, and how high it stands, degrees."""
+    at = {"lat": -2.3, "lon": 36.9, "terrain": "off", "time": "2026-08-20T16:30:00Z"}
+    answer = ask("GET", f"{API}/scenes/{SCENE}/sky", params=at).json()
+    return answer["sky"]["horizontal_total_illuminance_lx"], answer["night_sky"]["moon"]["apparent_altitude_deg"]
+
+
+def slopes():
+    """What level ground and the ground as it slopes have of the demo's lamps by way of the sky, in units of half a Moon."""
+    from matplotlib import colors, pyplot
+
+    half_moon_lx, altitude_deg = half_moon()
+    moons = []
+    for name in ["horizontal", "slope"]:
+        with rasterio.open(f"{FOLDER}/{name}.tif") as raster:
+            moons.append(raster.read(1) / half_moon_lx)
+            box = raster.bounds
+    extent = (box.left, box.right, box.bottom, box.top)
+    aspect = 1 / math.cos(math.radians((box.top + box.bottom) / 2))
+    figure, axes = pyplot.subplots(1, 3, figsize=(14, 4.3), layout="constrained", sharey=True)
+    places = [place for place in ask("GET", f"{API}/scenes/demo/places").json()
+              if box.left + 0.1 < place["longitude_deg"] < box.right - 0.2 and box.bottom + 0.1 < place["latitude_deg"] < box.top - 0.1]
+    light, parts = colors.LogNorm(3e-3, 1), colors.LogNorm(0.5, 2)
+    drawn = [(moons[0], "level, under an open sky", "magma", light),
+             (moons[1], "as it slopes, behind its mountains", "magma", light),
+             (moons[1] / moons[0], "the second in parts of the first", "RdBu_r", parts)]
+    for axis, (values, title, colormap, norm) in zip(axes, drawn):
+        image = axis.imshow(values, extent=extent, aspect=aspect, cmap=colormap, norm=norm, interpolation="nearest")
+        for place in places[:7] if norm is light else []:
+            axis.annotate(place["name"], (place["longitude_deg"], place["latitude_deg"]), color="white", fontsize=8,
+                          xytext=(4, 4), textcoords="offset points")
+        axis.set_title(title, fontsize=11)
+        axis.set_xlabel("longitude, degrees")
+        if axis is axes[1]:
+            figure.colorbar(image, ax=axes[:2], label=f"half Moons {altitude_deg:.0f}° up ({1e3 * half_moon_lx:.0f} mlx)", shrink=0.9)
+    axes[0].set_ylabel("latitude, degrees")
+    figure.suptitle("Ground in the sky's artificial light, the demo", fontsize=12)
+    ratio = figure.colorbar(image, ax=axes[2], shrink=0.9)
+    ratio.ax.minorticks_off()
+    ratio.set_ticks([0.5, 0.7, 1, 1.4, 2], labels=["0.5", "0.7", "1", "1.4", "2"])
+    figure.savefig(f"{FOLDER}/slopes.png", dpi=90)
+
+
 def ground():
     """What level ground has of the demo's lamps by way of the sky, in units of half a Moon."""
     import time
 
     from matplotlib import colors, pyplot
 
-    at = {"lat": -2.3, "lon": 36.9, "terrain": "off", "time": "2026-08-20T16:30:00Z"}
-    answer = ask("GET", f"{API}/scenes/{SCENE}/sky", params=at).json()
-    half_moon_lx = answer["sky"]["horizontal_total_illuminance_lx"]
-    altitude_deg = answer["night_sky"]["moon"]["apparent_altitude_deg"]
+    half_moon_lx, altitude_deg = half_moon()
     while (file := requests.get(f"{API}/scenes/demo/layers/brightness.tif", params={"measure": "horizontal"}, timeout=300)).status_code in (202, 503):
         time.sleep(2)
     with rasterio.open(io.BytesIO(file.content)) as raster:
@@ -356,6 +398,8 @@ def main():
         natural()
     if not alone or "ground" in alone:
         ground()
+    if "slopes" in alone:
+        slopes()
     if not alone or "swaps" in alone:
         swaps()
     if alone:

@@ -12,6 +12,7 @@ use skyglow_display::{
 };
 use skyglow_observatory::{GroundRequest, ObservatoryError, RenderedSky, SceneView, SkyRequest, lit_ground};
 use skyglow_physics::{Response, spectrum::RGB_BANDS};
+use skyglow_scene::GroundSight;
 use std::cell::OnceCell;
 use thiserror::Error;
 
@@ -33,7 +34,9 @@ pub enum DrawingError {
 fn ground_request(view: &PictureRequest, format: Format) -> Option<GroundRequest> {
     let albedo = view.options.ground.albedo().filter(|_| matches!(format, Format::Png | Format::WebP))?;
     let in_total = view.options.sky == Sky::Total;
-    Some(GroundRequest { azimuths: view.options.azimuths(), albedo, in_total })
+    let sight =
+        GroundSight { azimuths: view.options.azimuths(), lowest_tangent: view.options.lowest_tangent() };
+    Some(GroundRequest { sight, albedo, in_total })
 }
 
 /// Draws and encodes what was rendered for a request in a scene; takes milliseconds to a second. Every format carries its assumptions, and says so where the

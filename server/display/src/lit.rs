@@ -96,6 +96,24 @@ impl PictureOptions {
         (middle_rad - half_rad, 2.0 * half_rad / count, count as usize + 1)
     }
 
+    /// tan of the lowest elevation that a picture shows.
+    pub fn lowest_tangent(&self) -> f64 {
+        if !matches!(self.projection, Projection::Perspective { .. }) {
+            return 0.0;
+        }
+        let view = View::new(self.projection, self.width_px, self.height_px);
+        let (width, bottom) = (f64::from(self.width_px), f64::from(self.height_px));
+        let edge = (0..=32).flat_map(|step| {
+            let part = f64::from(step) / 32.0;
+            [(part * width, bottom), (part * width, 0.0), (0.0, part * bottom), (width, part * bottom)]
+        });
+        let elevations_rad = edge.filter_map(|(x, y)| view.direction_at(x, y)).map(|of| of.elevation_rad);
+        // A pixel more; the nadir is inside of a picture that looks straight down, whose edge is not lowest.
+        let lowest_rad = elevations_rad.fold(PI / 2.0, f64::min) - 2.0 * view.pixel_rad();
+        let is_steep = matches!(self.projection, Projection::Perspective { elevation_deg, .. } if elevation_deg < -STEEP_DEG);
+        if is_steep || lowest_rad <= -0.49 * PI { f64::NEG_INFINITY } else { lowest_rad.tan() }
+    }
+
     /// Largest difference of azimuth between the middle and the edge of a perspective.
     fn half_width_rad(&self, view: &View, middle_rad: f64) -> f64 {
         let (width, height) = (f64::from(self.width_px), f64::from(self.height_px));

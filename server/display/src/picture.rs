@@ -182,14 +182,14 @@ fn paint_each<I: Ink>(
         let mut bodies = before.bodies.row(y).iter().peekable();
         for (x, pixel) in (0..options.width_px).zip(&mut row[offset_px..]) {
             let direction = view.direction_at(f64::from(x) + 0.5, y as f64 + 0.5);
-            let shown = known.shown(direction);
-            all_shown.extend(shown);
             let body = bodies.next_if(|(column, _)| *column == x).map(|(_, light)| light);
             if let Some(lit) = before.lit {
                 let ink = direction.and_then(|of| lit_ink(lit, painter, of, (x, y), body, &mut beyond));
                 *pixel = ink.unwrap_or(*pixel);
                 continue;
             }
+            let shown = known.shown(direction);
+            all_shown.extend(shown);
             if shown == Some(Shown::Ground) {
                 *pixel = I::of_bytes(painter.terrain_rgb());
                 continue;

@@ -10,24 +10,24 @@ use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, Fixture, GeoPoint, LOBE_COUNT,
-    LitGround, LitLine, Lobe, SKY_RESPONSES, SeenLight, SeenSky, SourcePixel,
+    LitGround, LitLine, Lobe, SKY_RESPONSES, SeenLight, SeenSky, Slope, SourcePixel,
     aerial_perspective::AirBetween,
     emission::lobe_intensities_per_sr,
     geometry::{LocalFrame, spherical_quadrilateral_area_m2},
     horizon::terrain_elevation_tangent,
+    lit_slopes::LitSlopes,
+    panorama::solid_angle_sr,
     quadrature::R2,
-    sky_harmonics::SkyHarmonics,
 };
-use skyglow_scene::{GroundLine, Scene, SeenGround};
-use std::{
-    collections::HashMap,
-    f64::consts::{PI, TAU},
-};
+use skyglow_scene::{GroundLine, GroundSight, Scene, SeenGround};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Lamps that are farther are not seen by themselves, metres.
 const LAMPS_WITHIN_M: f64 = 80_000.0;
 /// Lamps that are nearer are not drawn: where they stand is not known so well.
 const NEAREST_LAMP_M: f64 = 100.0;
+/// A lamp is drawn as wide as this at most.
+const LAMP_REACH_RAD: f64 = 0.02;
 /// Height of a lamp above the ground, metres.
 const LAMP_HEIGHT_M: f64 = 8.0;
 /// Light of one lamp, lm, and the part of it that goes up: how many lamps a pixel is divided into.
@@ -41,8 +41,8 @@ const MIN_COS_ZENITH: f64 = 1e-3;
 /// What of the ground is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundRequest {
-    /// Azimuth of the first line, radians clockwise from north, the step to the next, and how many.
-    pub azimuths: (f64, f64, usize),
+    /// Which part of it.
+    pub sight: GroundSight,
     /// Share of light that it reflects.
     pub albedo: f64,
     /// Whether the natural sky lights it too; not under clouds.
@@ -61,7 +61,7 @@ pub fn lit_ground(
 ) -> Result<LitGround, ObservatoryError> {
     let scene = view.scene();
     let eye_altitude_m = sky.context.altitude_m;
-    let lines = scene.visible_ground(request.place, eye_altitude_m, wanted.azimuths);
+    let lines = scene.visible_ground(request.place, eye_altitude_m, &wanted.sight);
     let lamps = LampLight::of_scene(scene, request)?;
     let light = SkyLight::new(sky, wanted);
     let eye = Eye {
@@ -74,10 +74,12 @@ pub fn lit_ground(
         let beyond = light.at_horizon(line.azimuth_rad);
         let light = line.seen.iter().map(|ground| {
             let through = eye.through(ground.altitude_m, ground.distance_m);
-            let of_lamps = patches.at(scene, || eye.place(line.azimuth_rad, ground.distance_m));
-            let sent = light.sent_by(ground);
+            let mut sent = light.sent_by(ground);
+            if ground.distance_m < LAMPS_WITHIN_M {
+                patches.add(scene, || eye.place(line.azimuth_rad, ground.distance_m), &mut sent);
+            }
             std::array::from_fn(|i| {
-                let sent = sent[i] + of_lamps[i];
+                let sent = sent[i];
                 (sent * through[i] + beyond[i] * (1.0 - through[i])) as f32
             })
         });
@@ -87,15 +89,20 @@ pub fn lit_ground(
             is_behind_ridge: line.seen.iter().map(|ground| ground.is_behind_ridge).collect(),
         }
     };
-    let (first_azimuth_rad, step_rad, _) = wanted.azimuths;
+    let (first_azimuth_rad, step_rad, _) = wanted.sight.azimuths;
     let mut ground = LitGround {
         first_azimuth_rad,
         step_rad,
         lines: lines.par_iter().map(lit).collect(),
         lamps: Vec::new(),
     };
+    // A lamp just below the picture shines into it.
+    let lowest_rad = wanted.sight.lowest_tangent.atan() - LAMP_REACH_RAD;
     let points = lamps.par_iter().flat_map_iter(|lamp| {
-        lamp.pixels.iter().flat_map(|pixel| lamps_of(scene, &eye, lamp, pixel, &ground, &lines))
+        lamp.pixels.iter().flat_map(|pixel| {
+            let lamps = lamps_of(scene, &eye, lamp, pixel, &ground, &lines);
+            lamps.into_iter().filter(|(of, _)| of.elevation_rad > lowest_rad)
+        })
     });
     ground.lamps = points.collect();
     Ok(ground)
@@ -121,7 +128,7 @@ impl Eye {
 
 /// Light of the sky that comes to the ground and from the horizon.
 struct SkyLight {
-    harmonics: [SkyHarmonics; 4],
+    slopes: LitSlopes<4>,
     /// Moon and Sun: towards them, and their illuminance across.
     discs: Vec<(DVec3, SeenLight)>,
     /// Of level ground.
@@ -141,10 +148,14 @@ impl SkyLight {
         let discs: Vec<_> =
             discs.iter().map(|disc| (disc.point.direction.enu(), disc.point.illuminance_lx)).collect();
         let plane = |i: usize| seen.seen_by(&SKY_RESPONSES[i]).unwrap_or_default();
-        let harmonics: [SkyHarmonics; 4] = std::array::from_fn(|i| {
-            let beams = points.iter().map(|point| (point.direction.enu(), point.illuminance_lx[i]));
-            SkyHarmonics::of_plane(plane(i)).with_beams(beams)
+        let with_points: [Vec<f32>; 4] = std::array::from_fn(|i| {
+            let mut plane = plane(i).to_vec();
+            for point in &points {
+                add_beam(&mut plane, point.direction, point.illuminance_lx[i]);
+            }
+            plane
         });
+        let slopes = LitSlopes::of_planes(with_points.each_ref().map(Vec::as_slice));
         let horizon = (0..AZIMUTH_COUNT).map(|column| {
             let row = sky.horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
             std::array::from_fn(|i| {
@@ -152,23 +163,25 @@ impl SkyLight {
             })
         });
         let horizon = horizon.collect();
-        let mut light = Self { harmonics, discs, level: [0.0; 4], horizon, albedo: wanted.albedo };
-        light.level = light.illuminance(DVec3::Z);
+        let mut light = Self { slopes, discs, level: [0.0; 4], horizon, albedo: wanted.albedo };
+        light.level = light.illuminance(Slope::default(), DVec3::Z);
         light
     }
 
     /// From the sky alone, lx.
-    fn illuminance(&self, normal: DVec3) -> SeenLight {
-        std::array::from_fn(|i| {
-            let straight = self.discs.iter().map(|(towards, lx)| towards.dot(normal).max(0.0) * lx[i]);
-            self.harmonics[i].irradiance(normal) + straight.sum::<f64>()
-        })
+    fn illuminance(&self, slope: Slope, normal: DVec3) -> SeenLight {
+        let mut light = self.slopes.illuminance(slope.steepness_rad, slope.downhill_azimuth_rad);
+        for (towards, lx) in &self.discs {
+            let cosine = towards.dot(normal).max(0.0);
+            light.iter_mut().zip(lx).for_each(|(sum, lx)| *sum += cosine * lx);
+        }
+        light
     }
 
     /// Luminance of ground that the sky lights, and the ground before it.
     fn sent_by(&self, ground: &SeenGround) -> SeenLight {
         let normal = ground.slope.normal();
-        let from_sky = self.illuminance(normal);
+        let from_sky = self.illuminance(ground.slope, normal);
         // A slope sees as much of level ground as it misses of the sky.
         let share = 0.5 * (1.0 - normal.z) * self.albedo;
         std::array::from_fn(|i| self.albedo / PI * (from_sky[i] + share * self.level[i]))
@@ -204,32 +217,66 @@ impl LampLight {
     }
 }
 
+/// A beam from a direction as light of the cell that holds it.
+fn add_beam(plane: &mut [f32], direction: Direction, illuminance_lx: f64) {
+    let row = direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64;
+    if row < 0.0 {
+        return;
+    }
+    let row = (row as usize).min(ELEVATION_COUNT - 1);
+    let column = (direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64).round() as usize;
+    if let Some(value) = plane.get_mut(row * AZIMUTH_COUNT + column % AZIMUTH_COUNT) {
+        *value += (illuminance_lx / solid_angle_sr(row)) as f32;
+    }
+}
+
 /// Luminance of ground that lamps light themselves, cd m⁻², by pixel: what it sends up evenly.
-struct Patches(HashMap<(u32, u32), SeenLight>);
+#[derive(Default)]
+struct Patches {
+    /// The first column and row, and how many columns there are.
+    first: [u32; 2],
+    width: usize,
+    light: Vec<[f32; 4]>,
+}
 
 impl Patches {
     fn new(scene: &Scene, lamps: &[LampLight]) -> Self {
-        let mut patches = HashMap::new();
+        let mut lit: Vec<([u32; 2], [f64; 4])> = Vec::new();
         for lamp in lamps {
             for pixel in &lamp.pixels {
-                let Some(at) = scene.column_and_row_at(GeoPoint::from_vector(pixel.center())) else {
+                let Some((column, row)) = scene.column_and_row_at(GeoPoint::from_vector(pixel.center()))
+                else {
                     continue;
                 };
                 let area_m2 = spherical_quadrilateral_area_m2(pixel.corners).max(1.0);
                 let per_m2_sr = lamp.weights[Lobe::Lambert.index()] * pixel.flux_dnb_w / (PI * area_m2);
-                let light: &mut SeenLight = patches.entry(at).or_insert([0.0; 4]);
-                light.iter_mut().zip(lamp.lumens_per_w).for_each(|(sum, lumens)| *sum += lumens * per_m2_sr);
+                lit.push(([column, row], lamp.lumens_per_w.map(|lumens| lumens * per_m2_sr)));
             }
         }
-        Self(patches)
+        let end = |axis: usize, of: fn(u32, u32) -> u32| lit.iter().map(|(at, _)| at[axis]).reduce(of);
+        let (Some(left), Some(right), Some(top), Some(bottom)) =
+            (end(0, u32::min), end(0, u32::max), end(1, u32::min), end(1, u32::max))
+        else {
+            return Self::default();
+        };
+        let (width, height) = ((right - left + 1) as usize, (bottom - top + 1) as usize);
+        let mut patches = Self { first: [left, top], width, light: vec![[0.0; 4]; width * height] };
+        for (at, light) in lit {
+            let sum = &mut patches.light[(at[1] - top) as usize * width + (at[0] - left) as usize];
+            sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light as f32);
+        }
+        patches
     }
 
-    /// At a place, bilinear between the middles of pixels.
-    fn at(&self, scene: &Scene, place: impl Fn() -> GeoPoint) -> SeenLight {
-        let mut sum = [0.0; 4];
-        let position = if self.0.is_empty() { None } else { scene.position_at(place()) };
-        let Some((column, row)) = position else { return sum };
-        let (column, row) = (column - 0.5, row - 0.5);
+    /// Adds that of a place, bilinear between the middles of pixels.
+    fn add(&self, scene: &Scene, place: impl Fn() -> GeoPoint, light: &mut SeenLight) {
+        let position = if self.light.is_empty() { None } else { scene.position_at(place()) };
+        let Some((column, row)) = position else { return };
+        let (column, row) = (column - 0.5 - f64::from(self.first[0]), row - 0.5 - f64::from(self.first[1]));
+        let height = self.light.len() / self.width;
+        if column <= -1.0 || row <= -1.0 || column >= self.width as f64 || row >= height as f64 {
+            return;
+        }
         let (s, t) = (column - column.floor(), row - row.floor());
         for (right, down, weight) in [
             (0.0, 0.0, (1.0 - s) * (1.0 - t)),
@@ -238,13 +285,11 @@ impl Patches {
             (1.0, 1.0, s * t),
         ] {
             let (column, row) = (column.floor() + right, row.floor() + down);
-            let is_inside = column >= 0.0 && row >= 0.0;
-            let light = is_inside.then(|| self.0.get(&(column as u32, row as u32))).flatten();
-            if let Some(light) = light {
-                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * light);
+            if column >= 0.0 && row >= 0.0 && (column as usize) < self.width && (row as usize) < height {
+                let patch = self.light[row as usize * self.width + column as usize];
+                light.iter_mut().zip(patch).for_each(|(sum, patch)| *sum += weight * f64::from(patch));
             }
         }
-        sum
     }
 }
 

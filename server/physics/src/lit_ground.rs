@@ -35,6 +35,9 @@ impl LitGround {
     pub fn light(&self, direction: Direction) -> Option<SeenLight> {
         let line = &self.lines[self.line_at(direction.azimuth_rad)?];
         let tangent = direction.elevation_rad.tan() as f32;
+        if line.tangents.last().is_none_or(|highest| *highest < tangent) {
+            return None;
+        }
         let above = line.tangents.partition_point(|of| *of < tangent);
         let here = line.light.get(above)?;
         let before = above.checked_sub(1).filter(|_| !line.is_behind_ridge[above]);
@@ -47,8 +50,8 @@ impl LitGround {
 
     /// The line nearest to an azimuth, rad; None where there is none.
     pub fn line_at(&self, azimuth_rad: f64) -> Option<usize> {
-        let away = (azimuth_rad - self.first_azimuth_rad + 0.5 * self.step_rad).rem_euclid(TAU);
-        let line = (away / self.step_rad) as usize;
+        let turns = (azimuth_rad - self.first_azimuth_rad + 0.5 * self.step_rad) * (1.0 / TAU);
+        let line = ((turns - turns.floor()) * TAU / self.step_rad) as usize;
         (line < self.lines.len()).then_some(line)
     }
 }

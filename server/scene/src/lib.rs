@@ -93,4 +93,4 @@ pub use scene_id::SceneId;
 pub use shared_scenes::SharedScenes;
 pub use skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
 pub use store::{SceneList, SceneStore, UploadFolder};
-pub use terrain::{GroundLine, SeenGround};
+pub use terrain::{GroundLine, GroundSight, SeenGround};

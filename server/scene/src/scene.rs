@@ -21,7 +21,7 @@ use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::morton;
 use crate::polar_grid::PolarGrid;
 use crate::skyline_view::SkylineView;
-use crate::terrain::{GroundLine, Terrain};
+use crate::terrain::{GroundLine, GroundSight, Terrain};
 use glam::DVec3;
 use skyglow_physics::geometry::LocalFrame;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, upward_flux_dnb_w};
@@ -100,19 +100,19 @@ impl Scene {
         self.terrain.coarse_tangents(place, eye_altitude_m, sights)
     }
 
-    /// Ground seen by an eye over a place, along azimuths: the first, radians clockwise from north, the step between them, and how many.
+    /// Ground seen by an eye over a place, a line for each azimuth.
     ///
     /// * `eye_altitude_m`: metres above sea level; below the ground counts as on it.
     ///
-    /// Takes about a tenth of a second of two cores for a thousand azimuths.
+    /// Takes some ten milliseconds of two cores for a thousand azimuths.
     pub fn visible_ground(
         &self,
         place: GeoPoint,
         eye_altitude_m: f64,
-        azimuths: (f64, f64, usize),
+        sight: &GroundSight,
     ) -> Vec<GroundLine> {
         let eye_altitude_m = eye_altitude_m.max(self.ground(place).altitude_m());
-        self.terrain.visible_ground(place, eye_altitude_m, azimuths)
+        self.terrain.visible_ground(place, eye_altitude_m, sight)
     }
 
     /// The blocking angle of a light towards a place, radians, 0..=π/2: the highest elevation of the terrain between

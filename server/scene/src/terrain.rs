@@ -4,8 +4,10 @@ mod cell;
 mod elevation;
 mod horizon;
 mod max_mipmap;
+mod path;
 mod raster;
 mod ray;
+mod sampler;
 mod source_horizon;
 #[cfg(test)]
 mod synthetic_ground;
@@ -16,4 +18,4 @@ mod visible_raster;
 pub(crate) use elevation::Terrain;
 pub(crate) use raster::{TerrainRaster, TerrainRasterBuilder};
 pub(crate) use source_horizon::min_blocking_distance_m;
-pub use visible_ground::{GroundLine, SeenGround};
+pub use visible_ground::{GroundLine, GroundSight, SeenGround};

@@ -117,9 +117,15 @@ impl TerrainRaster {
         if entry.length == 0 { None } else { self.blob.unpack(entry).ok() }
     }
 
-    /// The samples of a tile of the finest level, from the cache; `None` for one that is all void.
-    pub(super) fn cached(&self, number: usize) -> Option<Arc<Vec<f32>>> {
-        (self.levels[0].tiles[number].length > 0).then(|| self.tile(0, number))
+    /// A level, the coarsest where there are not so many, and its columns and rows.
+    pub(super) fn level_size(&self, level: usize) -> (usize, (usize, usize)) {
+        let level = level.min(self.levels.len() - 1);
+        (level, (self.levels[level].width, self.levels[level].height))
+    }
+
+    /// The samples of a tile of a level, from the cache; `None` for one that is all void.
+    pub(super) fn cached(&self, level: usize, number: usize) -> Option<Arc<Vec<f32>>> {
+        (self.levels[level].tiles[number].length > 0).then(|| self.tile(level, number))
     }
 
     fn lock(&self) -> MutexGuard<'_, TileCache> {

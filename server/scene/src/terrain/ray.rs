@@ -157,7 +157,7 @@ impl<'a> Ray<'a> {
         let number = tile_row * self.raster.tile_columns() + tile_column;
         let slot = &mut self.tiles[(tile_row & 1) * 2 + (tile_column & 1)];
         if slot.0 != number {
-            *slot = (number, self.raster.cached(number));
+            *slot = (number, self.raster.cached(0, number));
         }
         slot.1.as_ref().map_or(f32::NAN, |samples| samples[row % SIDE * SIDE + column % SIDE])
     }

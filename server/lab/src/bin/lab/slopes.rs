@@ -1,16 +1,16 @@
-//! Nine spherical harmonics of a sky beside the sum over its directions: the irradiance of slopes.
+//! A table of slopes under a sky beside the sum over its directions: their illuminance.
 
 use crate::arguments::{Outcome, turbidity};
 use skyglow_lab::setup::{observatory, open_sky};
 use skyglow_observatory::SkyRequest;
 use skyglow_physics::{
     AZIMUTH_COUNT, Response, Slope, Turbidity,
+    lit_slopes::LitSlopes,
     panorama::{azimuth_rad, cos_sr, projected_sr},
-    sky_harmonics::SkyHarmonics,
 };
 use skyglow_scene::SceneId;
 use std::{
-    f64::consts::{FRAC_PI_4, TAU},
+    f64::consts::{FRAC_PI_2, TAU},
     path::PathBuf,
 };
 
@@ -19,10 +19,10 @@ const SLOPES_PER_PLACE: usize = 8;
 /// Steps of sequences that fill one, two and two more axes evenly (Roberts 2018).
 const STEPS: [f64; 4] = [0.754_877_666, 0.569_840_291, 0.819_172_513, 0.671_043_606];
 /// Upper ends of classes of steepness, degrees.
-const CLASSES_DEG: [f64; 3] = [15.0, 30.0, 45.0];
+const CLASSES_DEG: [f64; 4] = [15.0, 30.0, 45.0, 90.0];
 
-/// Irradiance of slopes of up to 45° under artificial light by nine spherical harmonics of the sky, as pictures of landscapes take it,
-/// beside the sum over all directions: at places drawn evenly from a scene.
+/// Illuminance of slopes and walls under artificial light by the table that pictures of landscapes take it from, beside the sum over all
+/// directions: at places drawn evenly from a scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Folder of scenes.
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let view = observatory.view(&arguments.scene, None)?;
     let (scene, lattice) = (view.scene(), view.scene().place_lattice(usize::MAX));
     for terrain_hides in [false, true] {
-        let mut errors: [Vec<[f64; 2]>; 3] = Default::default();
+        let mut errors: [Vec<[f64; 2]>; 4] = Default::default();
         for number in 0..arguments.count {
             let spread = |step: f64, length: u32| ((number as f64 * step).fract() * f64::from(length)) as u32;
             let place = scene.lattice_place(
@@ -55,16 +55,17 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             let open = open_sky(arguments.scene.clone(), place, arguments.turbidity);
             let Ok(sky) = observatory.sky_blocking(&SkyRequest { terrain_hides, ..open }) else { continue };
             let plane = sky.seen.seen_by(&Response::Photopic).unwrap_or_default();
-            let (harmonics, level) = (SkyHarmonics::of_plane(plane), direct(plane, Slope::default()));
+            let (table, level) = (LitSlopes::of_planes([plane]), direct(plane, Slope::default()));
             if level <= 0.0 {
                 continue;
             }
             for nth in 0..SLOPES_PER_PLACE {
                 let at = (number * SLOPES_PER_PLACE + nth) as f64;
-                let steepness_rad = FRAC_PI_4 * (at * STEPS[2]).fract();
+                let steepness_rad = FRAC_PI_2 * (at * STEPS[2]).fract();
                 let downhill_azimuth_rad = TAU * (at * STEPS[3]).fract();
                 let slope = Slope { steepness_rad, downhill_azimuth_rad };
-                let (found, wanted) = (harmonics.irradiance(slope.normal()), direct(plane, slope));
+                let (found, wanted) =
+                    (table.illuminance(steepness_rad, downhill_azimuth_rad)[0], direct(plane, slope));
                 let class = CLASSES_DEG.iter().position(|end| steepness_rad.to_degrees() <= *end);
                 errors[class.unwrap_or(CLASSES_DEG.len() - 1)]
                     .push([(found - wanted).abs() / level, (found / wanted.max(1e-3 * level) - 1.0).abs()]);
