@@ -6,8 +6,8 @@ import { readdirSync, readFileSync } from "node:fs";
 import { launch, openPage, SERVER, skyShown } from "./support/browser.mjs";
 import { demo } from "./support/sky.mjs";
 
-const FRAMES = 120;
-const ROUNDS = 3;
+const FRAMES = Number(process.env.FRAMES ?? 120);
+const ROUNDS = Number(process.env.ROUNDS ?? 3);
 /** Of a clock tick of /proc. */
 const TICK_MS = 10;
 const [WIDTH_PX, PAGE_HEIGHT_PX] = (process.env.SIZE ?? "1440x900").split("x").map(Number);

@@ -11,6 +11,8 @@ const LIGHTHOUSE = "lighthouse@13.5.0";
 const FLAGS = "--headless=new --no-sandbox --enable-unsafe-swiftshader --use-angle=swiftshader";
 const folder = process.env.SKYGLOW_TIMES ?? mkdtempSync(join(tmpdir(), "viewer-times-"));
 mkdirSync(folder, { recursive: true });
+/** A try: fewer frames and clicks. */
+const isQuick = process.env.QUICK === "1";
 const rows = [];
 const [load] = loadavg();
 
@@ -33,12 +35,15 @@ for (const [size, wanted] of [
   ["1440x900", "30"],
   ["3840x2160", "usable"],
 ]) {
-  const text = told(`frames-${size}`, "node", ["frame-rate.mjs"], { SIZE: size });
+  const text = told(`frames-${size}`, "node", ["frame-rate.mjs"], {
+    SIZE: size,
+    ...(isQuick ? { FRAMES: "15", ROUNDS: "1" } : {}),
+  });
   const [rate, late] = [/([\d.]+) frames a second/g, /95th percentile (\d+) ms/g].map((pattern) => median(text, pattern));
   rows.push([`frames a second looking around, ${size}, software GL`, `${rate} (95 % within ${late} ms)`, wanted]);
 }
 
-const clicks = told("clicks", "node", ["click-times.mjs", "30"]);
+const clicks = told("clicks", "node", ["click-times.mjs", isQuick ? "5" : "30"]);
 for (const [step, what, wanted] of [
   ["numbers", "a click → numbers", "100 ms"],
   ["picture", "a click → picture", "200 ms"],
