@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-D8CtX8y5.js";
