@@ -1,6 +1,10 @@
 """Files of measured skies, and the model beside them."""
 
 import io
+import json
+import os
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -9,64 +13,8 @@ from conftest import VALLEY
 
 from skyglow import datasets, measurements
 
-HEADER = """\
-# {standard} Definition of the community standard for skyglow observations 1.0
-# URL: http://www.darksky.org/NSBM/sdf1.0.pdf
-# Number of header lines: 35
-# This data is released under the following license: ODbL 1.0 http://opendatacommons.org/licenses/odbl/summary/
-# Device type: {device}
-# Instrument ID: {name}
-# Data supplier: Test / None
-# Location name: Valley / Demo
-{position}
-# Local timezone: Europe/Zurich
-# Time Synchronization: NTP
-# Moving / Stationary position: STATIONARY
-# Moving / Fixed look direction: FIXED
-# Number of channels: 1
-# Filters per channel: {filter}
-# Measurement direction per channel: 0., 0.
-# Field of view: 20
-# Number of fields per line: 6
-{more}
-# Comment:
-# Comment: {comment}
-# blank line 30
-# blank line 31
-# blank line 32
-{fields}
-# END OF HEADER
-"""
-SQM = HEADER.format(
-    standard="",
-    device="SQM-LU-DL",
-    name="SQM-Valley",
-    position="# Position (lat, lon, elev(m)): 46.53, 8.61, 1500",
-    filter="HOYA CM-500",
-    comment="seen: dew",
-    more="# SQM serial number: 3456",
-    fields="# UTC Date & Time, Local Date & Time, Temperature, Voltage, MSAS, Record type\n"
-    "# YYYY-MM-DDTHH:mm:ss.fff;YYYY-MM-DDTHH:mm:ss.fff;Celsius;Volts;mag/arcsec^2;Init/Subs",
-) + (
-    "2026-08-12T23:00:00.000;2026-08-13T01:00:00.000;11.2;4.81;21.40;1\n"
-    "2026-08-12T23:05:00.000;2026-08-13T01:05:00.000;11.1;4.81;0.00;1\n"
-    "2026-08-12T23:10:00.500;2026-08-13T01:10:00.500;11.0;4.81;21.42;1\n"
-)
-TESS = (
-    HEADER.format(
-        standard="",
-        device="TESS-W",
-        name="stars1",
-        position="# Position: 46.17, 8.79, None",
-        filter="None",
-        comment="MSAS = ZP - 2.5*log10(Frequency)",
-        more="# TESS zero point: 20.1",
-        fields="# UTC Date & Time, Local Date & Time, Enclosure Temperature, Sky Temperature, Frequency, MSAS, ZP, "
-        "Sequence Number\n"
-        "# YYYY-MM-DDTHH:mm:ss.fff;YYYY-MM-DDTHH:mm:ss.fff;Celsius;Celsius;Hz;mag/arcsec^2;mag/arcsec^2;number",
-    )
-    + "2026-08-12T23:00:02.000;2026-08-13T01:00:02.000;17.1;-8.1;0.9;20.21;20.1;77\n"
-)
+DATA = Path(__file__).parent / "data"
+SQM, TESS = ((DATA / name).read_text(encoding="utf-8") for name in ("valley-sqm.dat", "stars1-tess.dat"))
 GLOBE = (
     "ID,ObsType,ObsID,Latitude,Longitude,Elevation(m),LocalDate,LocalTime,UTDate,UTTime,LimitingMag,SQMReading,"
     "SQMSerial,CloudCover,Constellation,SkyComment,LocationComment,Country\n"
@@ -76,10 +24,8 @@ GLOBE = (
 )
 
 
-def test_files_of_sky_quality_meters_are_read(tmp_path):
-    path = tmp_path / "valley.dat"
-    path.write_text(SQM, encoding="utf-8")
-    table = measurements.read_sqm(path)
+def test_files_of_sky_quality_meters_are_read():
+    table = measurements.read_sqm(DATA / "valley-sqm.dat")
     assert list(table["brightness_mag_arcsec2"]) == [21.40, 21.42], "a reading of 0 is none"
     assert table["time"].iloc[1] == pandas.Timestamp("2026-08-12T23:10:00.5Z")
     assert set(table["latitude_deg"]) == {46.53}
@@ -175,3 +121,26 @@ def test_one_place_and_too_little_to_fit():
     dark = table.assign(brightness_mag_arcsec2=25.0)
     with pytest.raises(ValueError, match="no factor fits"):
         measurements.fit_calibration(dark)
+
+
+def test_the_program_compares_alike(client, tmp_path):
+    """`skyglow compare` has the residuals and the fit of this package."""
+    files = [tmp_path / "sqm.dat", tmp_path / "tess.dat"]
+    # Brighter than the natural sky is there, so that a factor fits each place.
+    for file, text in zip(files, [SQM.replace(";21.4", ";21.0"), TESS], strict=True):
+        file.write_text(text, encoding="utf-8")
+    program = [os.environ["SKYGLOW_PROGRAM"], "compare", "--scene", "demo", "--device", "cpu", "--json"]
+    folders = ["--data", os.environ["SKYGLOW_ENGINE_DATA"], "--packs", os.environ["SKYGLOW_ENGINE_PACKS"]]
+    given = [f"--measurements={file}" for file in files]
+    run = subprocess.run([*program, *folders, *given], capture_output=True, text=True, check=True)
+    said = json.loads(run.stdout)
+    table = pandas.concat([measurements.read_ida(file) for file in files]).reset_index(drop=True)
+    compared = measurements.residuals(client, table)
+    assert [row["instrument"] for row in said["readings"]] == compared["instrument"].tolist()
+    for name in ("residual_mag_arcsec2", "model_artificial_cd_m2", "model_natural_cd_m2"):
+        found = [row[name] for row in said["readings"]]
+        assert found == pytest.approx(compared[name].tolist(), rel=1e-6, abs=1e-9), name
+    fit = measurements.fit_calibration(compared)
+    for name in ("factor", "log_standard_error", "calibration", "rms_before_mag", "rms_after_mag"):
+        assert said["calibration"][name] == pytest.approx(getattr(fit, name), rel=1e-5), name
+    assert (said["calibration"]["readings"], said["calibration"]["places"]) == (fit.readings, fit.places) == (3, 2)

@@ -9,6 +9,7 @@ mod failure;
 mod flags;
 mod folders;
 mod logging;
+mod measurements;
 mod partial_settings;
 mod print;
 mod program;

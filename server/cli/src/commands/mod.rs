@@ -2,6 +2,7 @@
 
 mod atlas;
 mod bench;
+mod compare;
 mod config;
 mod darker;
 mod horizon;
@@ -41,6 +42,7 @@ pub(crate) enum Command {
     Panorama(panorama::Panorama),
     Sky(sky::Sky),
     Skies(skies::Skies),
+    Compare(Box<compare::Compare>),
     Night(Box<night::Night>),
     Nights(nights::Nights),
     Influence(influence::Influence),
@@ -71,6 +73,7 @@ impl Command {
             Command::Panorama(command) => command.run(),
             Command::Sky(command) => command.run(),
             Command::Skies(command) => command.run(),
+            Command::Compare(command) => command.run(),
             Command::Night(command) => command.run(),
             Command::Nights(command) => command.run(),
             Command::Influence(command) => command.run(),
