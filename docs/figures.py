@@ -188,32 +188,36 @@ def night():
 
 
 def land():
-    """A town in the Rift Valley: today, with a tenth of its light, under snow, and in the light of the half Moon; one eye for all."""
-    see = lambda **params: picture(f"{API}/scenes/{SCENE}/panorama.png", legend="off", **params)
+    """A town in the Rift Valley: today, without its light, under snow, and in the light of the half Moon; one eye for all."""
+    see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", legend="off", **params), words)
     look = {"lat": -0.86, "lon": 36.42, "height": 60, "projection": "perspective", "azimuth": 20, "elevation": 9, "fov": 60,
             "width": 900, "height_px": 450, "style": "eye", "adaptation": 0.0006, "ground": "lit"}
     dark, moonlit = "2026-08-12T19:00:00Z", "2026-08-20T18:00:00Z"
-    dimmed = scenario({"brush": {"points": [[36.47, -0.72]], "radius_m": 25000}, "factor": 0.1})
+    dimmed = scenario({"brush": {"points": [[36.47, -0.72]], "radius_m": 25000}, "factor": 0})
     side_by_side("land", [
-        [see(**look, time=dark), see(**look, time=dark, scenario=dimmed)],
-        [see(**{**look, "ground": "snow"}, time=dark), see(**look, time=moonlit)],
+        [see("the town, by starlight", **look, time=dark), see("without its light", **look, time=dark, scenario=dimmed)],
+        [see("under snow", **{**look, "ground": "snow"}, time=dark), see("half Moon", **look, time=moonlit)],
     ])
 
 
 def clouds():
     """A town on a lake of the demo under no clouds, some, more and a closed layer, by starlight and by the full Moon; then a valley there."""
-    see = lambda **params: picture(f"{API}/scenes/demo/panorama.png", legend="off", style="eye", **params)
+    see = lambda words, **params: labelled(picture(f"{API}/scenes/demo/panorama.png", legend="off", style="eye", **params), words)
     dome = {"projection": "fisheye", "width": 400, "height_px": 400}
     some = {"clouds": 1500, "cloud_cover": 0.3, "cloud_pattern": 3}
     more = {"clouds": 1500, "cloud_cover": 0.6, "cloud_pattern": 2}
-    layers = ({}, some, more, {"clouds": 1500})
+    layers = {"no clouds": {}, "three tenths": some, "six tenths": more, "overcast": {"clouds": 1500}}
     town = {"lat": 46.17, "lon": 8.79, "time": "2026-08-12T22:30:00Z", "adaptation": 0.004}
     moonlit = {"lat": 46.53, "lon": 8.61, "time": "2026-08-27T22:30:00Z", "adaptation": 0.006}
-    side_by_side("clouds", [[see(**place, **dome, **layer) for layer in layers] for place in (town, moonlit)])
+    rows = {"a town": town, "a valley, full Moon": moonlit}
+    side_by_side("clouds", [[see(f"{row}, {words}", **place, **dome, **layer) for words, layer in layers.items()] for row, place in rows.items()])
     valley = {"lat": 46.23, "lon": 8.98, "height": 20, "projection": "perspective", "azimuth": 250, "elevation": 8, "fov": 70,
               "width": 700, "height_px": 350, "ground": "lit", "adaptation": 0.003}
-    times = ("2026-08-12T22:30:00Z", "2026-08-20T19:45:00Z")
-    side_by_side("valley", [[see(**valley, **layer, time=time) for layer in ({}, more)] for time in times])
+    times = {"starlight": "2026-08-12T22:30:00Z", "half Moon": "2026-08-20T19:45:00Z"}
+    layers = {"no clouds": {}, "six tenths of clouds": more}
+    side_by_side("valley", [
+        [see(f"{light}, {words}", **valley, **layer, time=time) for words, layer in layers.items()] for light, time in times.items()
+    ])
 
 
 COMPONENTS = {
