@@ -24,6 +24,7 @@ pub mod parquet_table;
 pub mod plan_file;
 pub mod planning;
 pub mod problem;
+pub mod qgis_style;
 pub mod quantities;
 pub mod reader;
 pub mod request;

@@ -12,8 +12,8 @@ use crate::{
     },
     routes::{
         atmospheres, basemap, darker, docs, edr, health, horizon, influence, jobs, layers, link, night, ogc,
-        panorama, plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, tilejson,
-        tiles, uploads, viewer,
+        panorama, plans, problems, processes, scenarios, scenes, shares, site, skies, sky, stac, styles,
+        tilejson, tiles, uploads, viewer,
     },
     shared_counts::{Counted, add_up},
     state::AppState,
@@ -86,6 +86,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(layers::get_radiance_tif))
         .routes(routes!(layers::get_elevation_tif))
         .routes(routes!(layers::get_brightness_tif))
+        .routes(routes!(styles::get_brightness_qml))
+        .routes(routes!(styles::get_influence_qml))
         .routes(routes!(atmospheres::list_atmospheres))
         .routes(routes!(docs::get_openapi))
         .routes(routes!(docs::get_docs))

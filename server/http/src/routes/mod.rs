@@ -27,6 +27,7 @@ pub mod site;
 pub mod skies;
 pub mod sky;
 pub mod stac;
+pub mod styles;
 pub mod tilejson;
 pub mod tiles;
 pub mod uploads;

@@ -58,6 +58,13 @@ async fn influence_comes_as_a_raster() {
     let size = (scene["grid"]["width"].as_u64().unwrap(), scene["grid"]["height"].as_u64().unwrap());
     assert_eq!(raster.dimensions().map(|(w, h)| (u64::from(w), u64::from(h))).unwrap(), size);
     assert_eq!(server.get_unless(&path, &tag).await, 304);
+    // Its style for QGIS: the last class but one ends at a hundredth of the whole.
+    let style = server.get(&path.replace(".tif", ".qml")).await.text().await.unwrap();
+    let (_, whole) = server.json(&path.replace(".tif", ".json")).await;
+    let classes = style.split("<item ").skip(1).filter_map(|item| item.split("value=\"").nth(1));
+    let limits = classes.filter_map(|limit| limit.split('"').next()?.parse().ok());
+    let most = limits.filter(|limit: &f64| limit.is_finite()).fold(0.0, f64::max);
+    assert!((most / (0.01 * whole["total"].as_f64().unwrap()) - 1.0).abs() < 1e-6, "{most}");
 }
 
 #[tokio::test]

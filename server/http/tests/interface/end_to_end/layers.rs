@@ -99,7 +99,14 @@ async fn brightness_is_that_of_the_skies() {
         assert!(tile.pixels().any(|pixel| pixel.0[3] > 0), "it shows something");
     }
     assert_eq!(maps_found().await, before, "tiles and raster of one map are cut from one computation");
+    // A style needs no map.
+    let style = server.get("/api/v1/scenes/demo/layers/brightness.qml?measure=horizontal").await;
+    assert_eq!(header(&style, "content-type"), "text/xml; charset=utf-8");
+    let darkest = format!("value=\"{:?}\"", 0.01 * std::f64::consts::PI * dark);
+    let style = style.text().await.unwrap();
+    assert!(style.contains(&darkest[..14]), "{darkest}: {style}");
     for (path, status) in [
+        ("layers/brightness.qml?turbidity=5", 422),
         ("tiles/brightness/7/200/0.png?lat=3", 400),
         ("tiles/brightness/3/9/0.png", 404),
         ("tiles/brightness/30/0/0.png", 404),
