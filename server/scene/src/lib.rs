@@ -53,12 +53,14 @@ mod shared_scenes;
 mod skyline_of_light;
 mod skyline_part;
 mod skyline_queue;
+mod skyline_tile;
 mod skyline_tiles;
 mod skyline_view;
 mod skylines;
 mod staging;
 mod store;
 mod terrain;
+mod turns;
 
 pub use boundary::{Boundary, BoundaryError, MAX_BOUNDARY_CORNERS, Position};
 pub use changes::{

@@ -3,9 +3,9 @@
 //! Every code that [`Skylines::blocking`](crate::skylines::Skylines::blocking) reads for that observer, of lights and of the blocks that
 //! may count as one, is the same number as in the whole skyline; others stay 0.
 
-use crate::light_tree::{FAR_BLOCK_RATIO, turns_from_light};
-use crate::skyline_tiles::SkylineTile;
+use crate::skyline_tile::SkylineTile;
 use crate::skylines::{SKYLINE_AZIMUTH_COUNT, SKYLINE_DISTANCES_M};
+use crate::turns::turns_from_light;
 use glam::DVec3;
 use skyglow_physics::EARTH_RADIUS_M;
 use std::collections::{HashMap, VecDeque};
@@ -46,8 +46,7 @@ pub(crate) struct Part {
 
 impl Observer {
     pub(crate) fn new(place: DVec3, far_block_ratio: f64) -> Self {
-        // At least the usual one, so that all that is asked of a place shares its parts.
-        Self { place, block_ratio: far_block_ratio.max(FAR_BLOCK_RATIO) }
+        Self { place, block_ratio: far_block_ratio.max(0.0) }
     }
 
     /// The part of the skyline of a light, at a unit vector, that is wanted.

@@ -1,9 +1,9 @@
 //! Near field: the lights near a patch, added place by place; a near pixel by adaptive 2 × 2 Gauss–Legendre quadrature over its ground.
 
 use super::sources::{Candidate, Cluster, Sources};
-use crate::light_tree::turns_from_light;
 use crate::morton;
 use crate::place_kernel::{Compass, RingPosition};
+use crate::turns::turns_from_light;
 use glam::{DVec3, Vec2, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::MIN_SOURCE_DISTANCE_M;

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::error::SceneError;
+use crate::light_tree::FAR_BLOCK_RATIO;
 use crate::skyline_part::Observer;
 use crate::skyline_tiles::{SkylineTiles, TileGround, lights_of, tiles_within};
 use crate::skyline_view::{Disc, SkylineView, tiles_of};
@@ -59,7 +60,8 @@ impl Scene {
         far_block_ratio: f64,
     ) -> Option<SkylineView> {
         let disc = Disc { middle: place.unit_vector(), radius_m: MAX_SOURCE_DISTANCE_M };
-        let observer = Observer::new(disc.middle, far_block_ratio);
+        // At least of the usual ratio, so that all that is asked of a place shares its parts.
+        let observer = Observer::new(disc.middle, far_block_ratio.max(FAR_BLOCK_RATIO));
         let largest_m = far_block_ratio * MAX_SOURCE_DISTANCE_M;
         self.skyline_view(terrain_hides, || vec![disc], largest_m, Some(&observer))
     }
