@@ -12,9 +12,9 @@ try {
   const steps = { site: [], numbers: [], picture: [] };
   for (let i = 0; i <= clicks; i++) {
     await page.evaluate(() => performance.clearMeasures());
-    // A spiral around the middle, inside what stays of the map when the sky takes its part of the page.
+    // A spiral around the middle of what stays of the map when the sky takes its half, below the panel of layers.
     const [angle, radius] = [2.4 * i, 8 * Math.sqrt(i)];
-    await page.mouse.click(box.x + box.width / 2 + radius * Math.cos(angle), box.y + 200 + radius * Math.sin(angle));
+    await page.mouse.click(box.x + box.width / 4 + radius * Math.cos(angle), box.y + 430 + radius * Math.sin(angle));
     await page.waitForFunction(() => performance.getEntriesByName("sky:picture").length > 0);
     await skyShown(page);
     const times = await page.evaluate(() =>

@@ -2,11 +2,19 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Pace } from "./pace.ts";
 
+const CSS_PIXELS = 1048 * 640;
+
 /** The scales of so many frames, each as long as `frameMs` says of its scale. */
-function run(pace: Pace, frames: number, pixelsPerCssPx: number, frameMs: (scale: number) => number): number[] {
+function run(
+  pace: Pace,
+  frames: number,
+  pixelsPerCssPx: number,
+  frameMs: (scale: number) => number,
+  cssPixels = CSS_PIXELS,
+): number[] {
   let nowMs = 0;
   return Array.from({ length: frames }, () => {
-    const scale = pace.scale(pixelsPerCssPx);
+    const scale = pace.scale(pixelsPerCssPx, cssPixels);
     pace.frame(nowMs);
     nowMs += frameMs(scale);
     return scale;
@@ -36,5 +44,14 @@ test("a pause is no slow frame", () => {
     pace.frame(nowMs);
     nowMs += i % 2 === 0 ? 16 : 1000;
   }
-  assert.equal(pace.scale(1), 1);
+  assert.equal(pace.scale(1, CSS_PIXELS), 1);
+});
+
+/** A page of 4K without a card: it begins coarser, and frames of more than a second make it coarser still. */
+test("a very slow machine draws coarser too", () => {
+  const large = 3448 * 1536;
+  const scales = run(new Pace(), 12, 1, (scale) => 6000 * scale ** 2, large);
+  assert.equal(scales[0], 0.5);
+  assert.equal(scales.at(-1), 0.35);
+  assert.equal(run(new Pace(), 200, 1, () => 16.7, large).at(-1), 1);
 });

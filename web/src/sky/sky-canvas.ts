@@ -138,7 +138,7 @@ export class SkyCanvas {
     if (placed === null) return false;
     const { projection, plot } = placed;
     pace.frame(performance.now());
-    const scale = pace.scale(window.devicePixelRatio || 1);
+    const scale = pace.scale(window.devicePixelRatio || 1, placed.widthPx * placed.heightPx);
     const [width, height] = [placed.widthPx, placed.heightPx].map((px) => Math.round(px * scale)) as [number, number];
     const splitPx = this.paintSkies(grid, scene, { projection, plot, gaze: scene.gaze, pixelsPerCssPx: scale, isMoving: true }, [
       width,
