@@ -165,6 +165,7 @@ mod tests {
                 "panorama",
                 "sky",
                 "skies",
+                "compare",
                 "night",
                 "nights",
                 "influence",

@@ -146,7 +146,7 @@ mod tests {
         let page = super::page(view, "https://sky.example.org/glow");
         assert!(page.contains("The night sky at 46.1700° N, 8.7900° W – Skyglow"), "{page}");
         for (place, words) in
-            [("lat=-1.2833&lon=36.8167", "over Nairobi"), ("lat=46.1785&lon=8.7", "km W of Locarno")]
+            [("lat=-1.2833&lon=36.8167", "over Nairobi"), ("lat=46.1785&lon=8.7", "km WSW of Verscio")]
         {
             let page = super::page(&format!("scene=x&{place}"), "https://sky.example.org");
             let title = page.split("og:title").nth(1).unwrap();
