@@ -4,7 +4,7 @@ import { before, test } from "node:test";
 import { assertNoFaults, getJson, openPage, SERVER, skyShown } from "./support/browser.mjs";
 import { browser, here } from "./support/stage.mjs";
 
-const TITLES = { multiple: "as often as it happens", single: "once only" };
+const TITLES = { multiple: "any number of times", single: "once only" };
 
 let packs;
 let best;
@@ -78,7 +78,7 @@ test("first-order light can be chosen", async () => {
   await skyShown(page);
   assert.equal(await said(page), TITLES.single);
   assert.equal(await page.getByLabel("Scattering").inputValue(), "single");
-  await page.getByLabel("Scattering").selectOption("as often as it happens");
+  await page.getByLabel("Scattering").selectOption("any number of times");
   await page.waitForFunction(
     (title) => document.querySelector("[data-value=scattering] b")?.textContent === title,
     TITLES.multiple,

@@ -56,7 +56,8 @@ export function mountOffline(store: AppStore): void {
       // The page as it is waits for the server; one that begins anew asks the worker.
       anchor.addEventListener("click", (event) => {
         event.preventDefault();
-        location.hash = link;
+        // Without a change of the hash, which this page would take up: a link without a time would become one of tonight.
+        history.pushState(null, "", link);
         location.reload();
       });
       return make("li", "", anchor);
