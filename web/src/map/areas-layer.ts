@@ -68,6 +68,9 @@ export function areaFeatures({ features, shares }: SharedAreas): FeatureCollecti
   return { type: "FeatureCollection", features: named };
 }
 
+/** Fingers tap: the mouse that browsers make of them is none. */
+const canHover = () => matchMedia("(hover: hover)").matches;
+
 export class AreasLayer {
   private readonly tip = make("div", "area-tip");
   private isShown = false;
@@ -82,7 +85,9 @@ export class AreasLayer {
     this.tip.setAttribute("aria-hidden", "true");
     map.getContainer().append(this.tip);
     map.on("mousemove", (event) => this.point(event));
-    map.on("mouseout", () => this.forget());
+    map.on("mouseout", () => {
+      if (canHover()) this.forget();
+    });
     map.on("movestart", () => this.forget());
   }
 
@@ -108,8 +113,7 @@ export class AreasLayer {
   }
 
   private point({ point, originalEvent }: MapMouseEvent): void {
-    // Fingers tap: the mouse that browsers make of them is none.
-    const isMouse = originalEvent.buttons === 0 && matchMedia("(hover: hover)").matches;
+    const isMouse = originalEvent.buttons === 0 && canHover();
     if (this.isShown && isMouse) this.pointAt(point);
   }
 
