@@ -47,6 +47,11 @@ impl SkylineQueue {
         !std::mem::replace(&mut state.is_worked, true)
     }
 
+    /// Whether a tile is in it, or being made.
+    pub(crate) fn has(&self, tile: usize) -> bool {
+        self.lock().known.contains(&tile)
+    }
+
     /// The next tile; None where there is none, and who asked is done.
     pub(crate) fn next(&self) -> Option<usize> {
         let mut state = self.lock();
@@ -91,6 +96,7 @@ mod tests {
         let queue = SkylineQueue::default();
         assert!(queue.add([3, 1]) && !queue.add([1, 2, 3]));
         assert_eq!(queue.next(), Some(3));
+        assert!(queue.has(3) && queue.has(2) && !queue.has(5));
         // It is being made.
         assert!(!queue.add([3]));
         queue.done(3, 500, 0.1);

@@ -86,7 +86,7 @@ impl SkylineTiles {
         wanted: &[usize],
         observer: Option<&Observer>,
     ) -> Vec<Arc<SkylineTile>> {
-        let found = self.lock().find(wanted, observer);
+        let found = self.lock().find(wanted, observer, |tile| self.queue.has(tile));
         if found.iter().all(|found| matches!(found, Wanted::Known(_))) {
             let known = |found| if let Wanted::Known(tile) = found { Some(tile) } else { None };
             return found.into_iter().filter_map(known).collect();
@@ -221,7 +221,14 @@ impl SkylineTiles {
 
 impl Kept {
     /// Tiles that are there, and what is to be made of the others.
-    fn find(&mut self, wanted: &[usize], observer: Option<&Observer>) -> Vec<Wanted> {
+    ///
+    /// * `is_coming`: whether somebody else makes a tile, for which nobody has to wait.
+    fn find(
+        &mut self,
+        wanted: &[usize],
+        observer: Option<&Observer>,
+        is_coming: impl Fn(usize) -> bool,
+    ) -> Vec<Wanted> {
         self.turn += 1;
         let parts = observer.and_then(|observer| self.parts.of(observer));
         let mut found = Vec::with_capacity(wanted.len());
@@ -232,7 +239,8 @@ impl Kept {
                     Wanted::Known(Arc::clone(known))
                 }
                 (None, Some(part)) => Wanted::Known(Arc::clone(part)),
-                (None, None) if observer.is_none() || self.parts.are_many(*tile) => Wanted::Whole,
+                (None, None) if observer.is_none() => Wanted::Whole,
+                (None, None) if self.parts.are_many(*tile) && !is_coming(*tile) => Wanted::Whole,
                 (None, None) => Wanted::Part,
             });
         }
