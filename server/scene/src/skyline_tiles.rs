@@ -59,6 +59,22 @@ pub(crate) struct SkylineTiles {
     waiting: AtomicUsize,
 }
 
+/// Somebody who waits, until it is dropped: also where what it waits for panics.
+struct Waiting<'a>(&'a AtomicUsize);
+
+impl<'a> Waiting<'a> {
+    fn new(count: &'a AtomicUsize) -> Self {
+        count.fetch_add(1, Ordering::Relaxed);
+        Self(count)
+    }
+}
+
+impl Drop for Waiting<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 impl SkylineTiles {
     /// Of a scene that may have some in a folder.
     pub(crate) fn new(folder: PathBuf, version: &str) -> Self {
@@ -91,7 +107,7 @@ impl SkylineTiles {
             let known = |found| if let Wanted::Known(tile) = found { Some(tile) } else { None };
             return found.into_iter().filter_map(known).collect();
         }
-        self.waiting.fetch_add(1, Ordering::Relaxed);
+        let _waiting = Waiting::new(&self.waiting);
         let get = |(&tile, found): (&usize, Wanted)| match found {
             Wanted::Known(known) => (known, Wanted::Part, false),
             found => match self.load(ground, tile) {
@@ -103,7 +119,6 @@ impl SkylineTiles {
             },
         };
         let found: Vec<(Arc<SkylineTile>, Wanted, bool)> = wanted.par_iter().zip(found).map(get).collect();
-        self.waiting.fetch_sub(1, Ordering::Relaxed);
         let mut kept = self.lock();
         let mut parts = Vec::new();
         for (tile, (found, kind, is_new)) in wanted.iter().zip(&found) {
