@@ -57,4 +57,14 @@ test("no time is a choice that stays", async () => {
   assert.equal(timeIn(linked.page), null);
   assertNoFaults(linked);
   await linked.context.close();
+  // The same when the link is pasted into an open page.
+  const empty = await openPage(browser, "", { ...DESKTOP, isTonight: true });
+  await empty.page.waitForSelector("#map[data-basemap]");
+  await empty.page.evaluate((hash) => {
+    location.hash = hash;
+  }, fragment(here.beside));
+  await skyShown(empty.page);
+  assert.equal(timeIn(empty.page), null);
+  assertNoFaults(empty);
+  await empty.context.close();
 });

@@ -182,6 +182,7 @@ impl Observatory {
     pub fn check_scenes(&self) -> Result<(), ObservatoryError> {
         let sound = self.scenes.check_all()?;
         self.scenes.open_ahead(&sound);
+        self.scenes.check_lights(&sound);
         Ok(())
     }
 

@@ -242,6 +242,16 @@ impl SceneCache {
         }
     }
 
+    /// Reads the files through that lights of large scenes stay in. A scene with a damaged one is opened anew, which makes the file again.
+    pub(crate) fn check_lights(&self, ids: &[SceneId]) {
+        for id in ids {
+            if let Err(error) = self.store.verify_lights(id) {
+                tracing::warn!("{error}");
+                self.forget(id);
+            }
+        }
+    }
+
     /// Whether a scene fits into half of the room for open ones, beside those that are.
     fn has_half_for(&self, id: &SceneId) -> bool {
         self.open.run_pending_tasks();

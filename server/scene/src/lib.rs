@@ -14,6 +14,7 @@
 //!
 //! Nothing is resampled at ingest: a scene has the raster's own grid, its lit pixels, and a mask of the measured ones.
 
+mod array;
 mod blocked_sources;
 mod boundary;
 mod changes;
@@ -43,6 +44,7 @@ mod metadata;
 mod morton;
 mod place_kernel;
 mod polar_grid;
+mod pyramid_file;
 mod removed_lights;
 mod scene;
 mod scene_files;

@@ -24,17 +24,23 @@ pub(crate) struct Lights {
     /// Skylines that are made by tile when they are needed.
     pub(crate) tiles: Option<Arc<SkylineTiles>>,
     pub(crate) pyramid: LightPyramid,
+    /// The lowest and the highest altitude of the pixels, metres; None without light.
+    pub(crate) altitude_range_m: Option<[f32; 2]>,
 }
 
 impl Lights {
     /// Bytes of memory that they take, about.
     pub(crate) fn byte_count(&self) -> u64 {
         let skylines = self.skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
-        let of_tiles = if self.tiles.is_some() { MAX_KEPT_BYTES as u64 } else { 0 };
-        let whole =
-            LightCount { skylines: self.pixels.len() as u64, ..LightCount::of_codes(&self.pixels.codes, 0) };
-        let without = LightCount::of_codes(&self.pixels.codes, skylines).scene_bytes();
-        without + of_tiles.min(whole.scene_bytes())
+        let blocks = self.pyramid.levels().iter().map(|level| level.blocks.len() as u64).sum();
+        let of = |skylines: u64| LightCount { lit: self.pixels.len() as u64, blocks, skylines }.scene_bytes();
+        let of_tiles = match self.tiles {
+            Some(_) => (MAX_KEPT_BYTES as u64).min(of(self.pixels.len() as u64) - of(0)),
+            None => 0,
+        };
+        // What is in a file the system can have back.
+        let of_lights = if self.pixels.codes.is_in_file() { 0 } else { of(skylines) };
+        of_lights + of_tiles
     }
 
     /// What their skylines are made of.
@@ -55,7 +61,8 @@ impl Lights {
     /// Builds the pyramid.
     pub(crate) fn new(grid: &Grid, pixels: LitPixels, skylines: Option<Skylines>, calibration: f64) -> Self {
         let pyramid = LightPyramid::build(grid, &pixels, skylines.as_ref(), calibration);
-        Self { pixels, skylines, tiles: None, pyramid }
+        let altitude_range_m = pixels.altitude_range_m();
+        Self { pixels, skylines, tiles: None, pyramid, altitude_range_m }
     }
 
     /// The same with skylines that are made by tile.

@@ -1,6 +1,7 @@
 //! The source tree: a linear quadtree (Gargantini 1982) of lit pixels by Morton code. Each block of 2^k × 2^k pixels has their
 //! flux, its centroid, their mean altitude and their mean skyline. Built when a scene is opened.
 
+use crate::array::Array;
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
 use crate::morton;
@@ -10,7 +11,8 @@ use skyglow_physics::EARTH_RADIUS_M;
 use std::ops::Range;
 
 /// A block that holds at least one lit pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub(crate) struct Block {
     /// Flux-weighted mean of the pixel centres, as a unit vector.
     pub(crate) direction: DVec3,
@@ -24,15 +26,16 @@ pub(crate) struct Block {
     pub(crate) radiance_sum_nw_cm2_sr: f64,
     /// Index of the first child in the level below (pixels below level 1); the next block's is the end.
     pub(crate) first_child: u32,
+    unused: u32,
 }
 
 /// The blocks of one level, ascending by Morton code.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Level {
     /// Pixels' code shifted right by 2·level.
-    pub(crate) codes: Vec<u64>,
+    pub(crate) codes: Array<u64>,
     /// The blocks, in parallel with the codes.
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Array<Block>,
     /// The blocks' skylines; None where those of the pixels are not known.
     pub(crate) skylines: Option<Skylines>,
     /// Number of blocks (pixels) in the level below.
@@ -113,6 +116,21 @@ impl LightPyramid {
         Self { levels }
     }
 
+    /// Of levels that were stored, from level 1 up, over so many pixels; no skylines are known.
+    pub(crate) fn of_levels(levels: Vec<(Array<u64>, Array<Block>)>, pixel_count: usize) -> Self {
+        let mut child_count = pixel_count as u32;
+        let level = |(codes, blocks): (Array<u64>, Array<Block>)| {
+            let below = std::mem::replace(&mut child_count, blocks.len() as u32);
+            Level { codes, blocks, skylines: None, child_count: below }
+        };
+        Self { levels: levels.into_iter().map(level).collect() }
+    }
+
+    /// The levels, from level 1 up.
+    pub(crate) fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
     /// The number of the highest level; 0 without light.
     pub(crate) fn top(&self) -> usize {
         self.levels.len()
@@ -166,14 +184,14 @@ fn group(child_codes: &[u64], child: impl Fn(usize) -> Child + Sync) -> Level {
             move || group_part(child_codes, range, room, child)
         };
         let others: Vec<_> = (1..threads).map(|part| scope.spawn(of(part))).collect();
-        let first = of(0)();
-        (level.codes, level.blocks) = first;
+        let (mut codes, mut blocks) = of(0)();
         for (part, worker) in (1..threads).zip(others) {
             // A thread that died left its part undone.
-            let (codes, blocks) = worker.join().unwrap_or_else(|_| of(part)());
-            level.codes.extend(codes);
-            level.blocks.extend(blocks);
+            let (of_part, blocks_of_part) = worker.join().unwrap_or_else(|_| of(part)());
+            codes.extend(of_part);
+            blocks.extend(blocks_of_part);
         }
+        (level.codes, level.blocks) = (codes.into(), blocks.into());
     });
     level
 }
@@ -225,6 +243,7 @@ fn sum_up(first_child: usize, children: impl Iterator<Item = Child> + Clone) -> 
         radius_m,
         radiance_sum_nw_cm2_sr: radiance,
         first_child: first_child as u32,
+        unused: 0,
     }
 }
 
@@ -246,7 +265,7 @@ mod tests {
         let level = group(&codes, child);
         let (alone, blocks) = group_part(&codes, 0..codes.len(), 0, &child);
         assert_eq!(block_count(&codes), alone.len());
-        assert_eq!(level.codes, alone);
+        assert_eq!(*level.codes, *alone);
         let bits = |blocks: &[Block]| -> Vec<[u64; 3]> {
             let of = |block: &Block| {
                 [u64::from(block.first_child), block.flux_dnb_w.to_bits(), block.radius_m.to_bits()]

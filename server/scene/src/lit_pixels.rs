@@ -1,5 +1,6 @@
 //! The lit pixels of a raster, in Morton order. Dark pixels are not stored.
 
+use crate::array::Array;
 use crate::grid::Grid;
 use crate::morton;
 use skyglow_physics::SourcePixel;
@@ -9,11 +10,11 @@ use skyglow_physics::source_pixel::upward_flux_dnb_w;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LitPixels {
     /// Morton code of column and row.
-    pub(crate) codes: Vec<u64>,
+    pub(crate) codes: Array<u64>,
     /// The raster's value, nW cm⁻² sr⁻¹, without the scene's calibration.
-    pub(crate) radiance_nw_cm2_sr: Vec<f32>,
+    pub(crate) radiance_nw_cm2_sr: Array<f32>,
     /// Terrain altitude of the centre, metres, ≥ 0.
-    pub(crate) altitude_m: Vec<f32>,
+    pub(crate) altitude_m: Array<f32>,
 }
 
 impl LitPixels {
@@ -34,6 +35,14 @@ impl LitPixels {
             })
             && self.radiance_nw_cm2_sr.iter().all(|l| l.is_finite() && *l > 0.0)
             && self.altitude_m.iter().all(|h| h.is_finite() && *h >= 0.0)
+    }
+
+    /// The lowest and the highest altitude, metres; None without light.
+    pub(crate) fn altitude_range_m(&self) -> Option<[f32; 2]> {
+        self.altitude_m.iter().fold(None, |range, &altitude_m| {
+            let [lowest, highest] = range.unwrap_or([altitude_m; 2]);
+            Some([altitude_m.min(lowest), altitude_m.max(highest)])
+        })
     }
 
     /// The index of a pixel if it is lit.

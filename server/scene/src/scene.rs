@@ -230,12 +230,8 @@ impl Scene {
 
     /// The lowest and the highest altitude of lights, metres; None without light.
     pub fn light_altitude_range_m(&self) -> Option<[f32; 2]> {
-        let altitudes =
-            self.light_layers.iter().flat_map(|layer| layer.lights.pixels.altitude_m.iter().copied());
-        altitudes.fold(None, |range, altitude_m| {
-            let [lowest, highest] = range.unwrap_or([altitude_m; 2]);
-            Some([altitude_m.min(lowest), altitude_m.max(highest)])
-        })
+        let ranges = self.light_layers.iter().filter_map(|layer| layer.lights.altitude_range_m);
+        ranges.reduce(|[lowest, highest], [low, high]| [lowest.min(low), highest.max(high)])
     }
 
     /// The lights of the raster, as it was ingested.

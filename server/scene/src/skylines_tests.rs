@@ -68,9 +68,9 @@ fn a_block_has_the_flux_weighted_mean_skyline() {
         4,
     );
     let pixels = crate::lit_pixels::LitPixels {
-        codes: vec![0, 1, 2, 12],
-        radiance_nw_cm2_sr: vec![1.0, 1.0, 2.0, 5.0],
-        altitude_m: vec![0.0; 4],
+        codes: vec![0, 1, 2, 12].into(),
+        radiance_nw_cm2_sr: vec![1.0, 1.0, 2.0, 5.0].into(),
+        altitude_m: vec![0.0; 4].into(),
     };
     let mut skylines = Skylines::default();
     for code in [80, 0, 40, 0] {

@@ -4,6 +4,8 @@
 //! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
 //! when a scene is opened. A scene appears by one rename, so it is complete or absent.
 //!
+//! The lights of a large scene stay in a file too, one that is made when the scene is first opened (`pyramid_file.rs`).
+//!
 //! Of large terrain the packed tiles stay in the file: what is read when the scene is opened has a hash of its own, and each tile a
 //! checksum. The folder `skylines` has what was found since: skylines that are made by tile (`skyline_tiles.rs`). It is not listed, and
 //! what is damaged in it is made again.
@@ -16,6 +18,7 @@ use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
 use crate::memory::LightCount;
 use crate::metadata::{NamedPlace, SceneMetadata};
+use crate::pyramid_file::{self, StoredPyramid};
 use crate::scene::Scene;
 use crate::scene_files::{
     LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE, TILES_FOLDER,
@@ -36,6 +39,8 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct SceneStore {
     scenes_dir: PathBuf,
+    /// Lights from which on a scene's stay in a file.
+    least_in_file: u64,
 }
 
 /// A folder for uploaded files.
@@ -66,12 +71,17 @@ pub struct SceneList {
 impl SceneStore {
     /// The scenes of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>) -> Self {
-        Self { scenes_dir: data_dir.as_ref().join("scenes") }
+        Self { scenes_dir: data_dir.as_ref().join("scenes"), least_in_file: pyramid_file::MIN_LIGHTS }
     }
 
     /// The folder that holds one folder for each scene.
     pub fn scenes_dir(&self) -> &Path {
         &self.scenes_dir
+    }
+
+    /// The same, whose scenes keep their lights in a file from so many on ([`Self::new`]: a million).
+    pub fn with_lights_in_file(self, least: u64) -> Self {
+        Self { least_in_file: least, ..self }
     }
 
     pub(crate) fn scene_dir(&self, id: &SceneId) -> PathBuf {
@@ -188,6 +198,11 @@ impl SceneStore {
     pub fn scene_bytes(&self, id: &SceneId) -> Result<u64, SceneError> {
         let stored = self.read_metadata(id)?;
         let of_files: u64 = stored.files.iter().map(|file| file.bytes).sum();
+        if self.keeps_lights_in_file(&stored)
+            && pyramid_file::is_there(&self.scene_dir(id), &stored.metadata.version)
+        {
+            return Ok(of_files);
+        }
         // Half as many blocks as lights: more where they lie apart, fewer where they touch.
         let lit = stored.metadata.lit_pixels;
         Ok(2 * of_files + LightCount { lit, blocks: lit / 2, skylines: 0 }.scene_bytes())
@@ -234,6 +249,15 @@ impl SceneStore {
         }
     }
 
+    /// Reads the file through that the lights of a large scene stay in, where there is one. A damaged one is removed: it is made anew
+    /// when the scene is next opened.
+    ///
+    /// # Errors
+    /// [`SceneError::Damaged`], once.
+    pub fn verify_lights(&self, id: &SceneId) -> Result<(), SceneError> {
+        pyramid_file::verify(&self.scene_dir(id)).map_err(damaged(id, pyramid_file::PYRAMID_FILE))
+    }
+
     fn verify_stored(&self, id: &SceneId, stored: &StoredScene) -> Result<(), SceneError> {
         for stored in &stored.files {
             let path = self.scene_dir(id).join(&stored.name);
@@ -250,6 +274,12 @@ impl SceneStore {
             stored.check_hash(hasher.count(), hasher.finalize()).map_err(flaw)?;
         }
         Ok(())
+    }
+
+    /// Whether the lights of a scene stay in a file.
+    fn keeps_lights_in_file(&self, stored: &StoredScene) -> bool {
+        let metadata = &stored.metadata;
+        metadata.lit_pixels >= self.least_in_file && (!metadata.light_skylines || stored.has_skyline_tiles())
     }
 
     fn open_stored(&self, id: &SceneId, stored: StoredScene, limit_bytes: u64) -> Result<Scene, SceneError> {
@@ -271,12 +301,22 @@ impl SceneStore {
             file.check(&bytes).map_err(damaged(id, name))?;
             Ok(Some(bytes))
         };
-        let light = {
+        let read_all_light = || {
             let bytes =
                 read(LIGHT_FILE)?.ok_or_else(|| damaged(id, LIGHT_FILE)("is not listed".to_owned()))?;
             let parsed = Sections::parse(&bytes).map_err(damaged(id, LIGHT_FILE))?;
             check(parsed.unpacked_bytes())?;
-            read_light(&parsed).map_err(damaged(id, LIGHT_FILE))?
+            read_light(&parsed).map_err(damaged(id, LIGHT_FILE))
+        };
+        let version = stored.metadata.version.clone();
+        let of_file =
+            self.keeps_lights_in_file(&stored).then(|| pyramid_file::open(&dir, &version)).flatten();
+        let light = match &of_file {
+            Some(_) => {
+                check_is_there(id, &stored, &dir.join(LIGHT_FILE))?;
+                None
+            }
+            None => Some(read_all_light()?),
         };
         let mut terrain = Terrain::default();
         let large = read_inside(id, &stored, &dir.join(TERRAIN_FILE))?;
@@ -292,7 +332,8 @@ impl SceneStore {
         if let Some(bytes) = read(SKYLINES_FILE)? {
             let parsed = Sections::parse(&bytes).map_err(damaged(id, SKYLINES_FILE))?;
             check(parsed.unpacked_bytes())?;
-            let parsed = Skylines::from_sections(&parsed, light.pixels.len());
+            let count = light.as_ref().map_or(0, |light| light.pixels.len());
+            let parsed = Skylines::from_sections(&parsed, count);
             skylines = Some(parsed.map_err(damaged(id, SKYLINES_FILE))?);
         } else if stored.metadata.light_skylines && !stored.has_skyline_tiles() {
             return Err(damaged(id, SKYLINES_FILE)("is not listed".to_owned()));
@@ -302,10 +343,23 @@ impl SceneStore {
             let parsed = serde_json::from_slice(&bytes);
             places = parsed.map_err(|error| damaged(id, PLACES_FILE)(format!("is broken ({error})")))?;
         }
-        let StoredLight { grid, mask, pixels } = light;
-        let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
-        check(LightCount::of_codes(&pixels.codes, with_skylines).scene_bytes())?;
-        let mut lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
+        let StoredPyramid { grid, mask, mut lights } = match (of_file, light) {
+            (Some(of_file), _) => of_file,
+            (None, None) => return Err(damaged(id, LIGHT_FILE)("was not read".to_owned())),
+            (None, Some(StoredLight { grid, mask, pixels })) => {
+                let with_skylines = skylines.as_ref().map_or(0, |skylines| skylines.blocked_count() as u64);
+                check(LightCount::of_codes(&pixels.codes, with_skylines).scene_bytes())?;
+                let lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
+                // Where it cannot be stored the lights stay in memory, and it is tried again next time.
+                let is_stored = self.keeps_lights_in_file(&stored)
+                    && pyramid_file::write(&dir, &version, (&grid, &mask), &lights).is_ok();
+                let in_memory = StoredPyramid { grid, mask, lights };
+                match is_stored.then(|| pyramid_file::open(&dir, &version)).flatten() {
+                    Some(in_file) => in_file,
+                    None => in_memory,
+                }
+            }
+        };
         if stored.has_skyline_tiles() {
             lights = lights.with_tiles(SkylineTiles::new(dir.join(TILES_FOLDER), &stored.metadata.version));
         }
@@ -318,6 +372,20 @@ impl SceneStore {
             places: places.into(),
         })
     }
+}
+
+/// That a file which is not read is there, and as long as it was.
+fn check_is_there(id: &SceneId, stored: &StoredScene, path: &Path) -> Result<(), SceneError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let length = match std::fs::metadata(path) {
+        Ok(found) => found.len(),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return Err(damaged(id, &name)("is missing".to_owned()));
+        }
+        Err(error) => return Err(SceneError::io(path)(error)),
+    };
+    let listed = stored.files.iter().find(|file| *file.name == *name);
+    listed.map_or(Ok(()), |listed| listed.check_length(length)).map_err(damaged(id, &name))
 }
 
 /// A file of sections without those that stay in it; None where none does, and where there is no file. What is read is checked, and
@@ -364,9 +432,9 @@ fn read_light(sections: &Sections<'_>) -> Result<StoredLight, Flaw> {
     });
     let died = || "could not be unpacked".to_owned();
     let pixels = LitPixels {
-        codes: codes?,
-        radiance_nw_cm2_sr: radiance.map_err(|_| died())??,
-        altitude_m: altitude.map_err(|_| died())??,
+        codes: codes?.into(),
+        radiance_nw_cm2_sr: radiance.map_err(|_| died())??.into(),
+        altitude_m: altitude.map_err(|_| died())??.into(),
     };
     if !pixels.is_consistent(&grid) {
         return Err("holds pixels that contradict each other".to_owned());

@@ -54,12 +54,17 @@ export class SkySession {
     performance.mark("sky:asked");
     this.store.set({ isBusy: true });
     try {
-      if (requestedSite !== this.requestedSite) {
-        this.store.set({ ...NO_SKY, site: await api.site(scene, shown, signal), skyStage: "site" });
+      // Both at once: the numbers do not wait for the place's name.
+      const site = requestedSite === this.requestedSite ? null : api.site(scene, shown, signal);
+      const sky = api.sky(scene, shown, signal);
+      // What fails is told once, by whoever waits for it first.
+      sky.catch(() => undefined);
+      if (site !== null) {
+        this.store.set({ ...NO_SKY, site: await site, skyStage: "site" });
         this.requestedSite = requestedSite;
         performance.measure("sky:site", "sky:asked");
       }
-      const answer = await api.sky(scene, shown, signal);
+      const answer = await sky;
       this.store.set({ answer, skyStage: "numbers" });
       performance.measure("sky:numbers", "sky:asked");
       const both = [{ scene, query: shown }, ...(beside === null ? [] : [beside])];
@@ -81,6 +86,7 @@ export class SkySession {
     } catch (reason) {
       if (signal.aborted) return;
       if (isWithoutAnswer(reason)) {
+        this.restart();
         this.requested = "";
         this.store.set({ isBusy: false });
         this.store.report(reason);

@@ -47,6 +47,7 @@ export function followTonight(store: AppStore, now: () => number = Date.now): vo
       saveSetting(KEY, time === null ? NONE : "");
     }
     timeBefore = time;
+    if (store.isLinked) isFree = false;
     if (!isFree) return;
     const isNear = own !== null && own.time === time && Math.abs(own.place.longitude_deg - place.longitude_deg) < SAME_NIGHT_DEG;
     if (!isNear) choose(place, midnightOf(place, now()));

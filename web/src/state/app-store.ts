@@ -24,6 +24,9 @@ function fragmentWithoutSplit(state: Readonly<AppState>): string {
 }
 
 export class AppStore extends Store<AppState> {
+  /** Whether a link was followed while the page was open: pasted into its address, say. */
+  isLinked = false;
+
   constructor() {
     super(initialState(stateFromFragment(location.hash)));
     this.watch([fragmentWithoutSplit], (state) => this.writeAddress(state, false));
@@ -33,6 +36,7 @@ export class AppStore extends Store<AppState> {
     // Back and forward, and fragments typed by hand.
     addEventListener("popstate", ({ state }) => {
       const view = stateFromFragment(location.hash);
+      this.isLinked ||= state !== OWN_ENTRY && view.place !== null;
       this.set(state === OWN_ENTRY ? Object.fromEntries(STEPS.map((name) => [name, view[name]])) : view);
       history.replaceState(OWN_ENTRY, "");
     });

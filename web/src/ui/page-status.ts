@@ -25,6 +25,11 @@ export function mountPageStatus(store: AppStore): void {
     body.classList.toggle("busy", isBusy || isLandBusy);
     numbers.setAttribute("aria-busy", String(isBusy));
   });
+  // Until the sky of a link's place is there, or it is clear that none comes, what lies below it is not shown: it would jump.
+  const parts = ["place", "skyStage", "problem", "isAway"] as const;
+  store.watch(parts, ({ place, skyStage, problem, isAway }) => {
+    if (place === null || skyStage !== "none" || problem !== null || isAway) body.classList.remove("opening");
+  });
   const finding = byId("finding", HTMLElement);
   store.watch(["foundPart"], ({ foundPart }) => {
     finding.hidden = foundPart === null;

@@ -116,8 +116,11 @@ impl Base<'_> {
             let (column, row) = morton::decode(*code);
             let place = GeoPoint::from_vector(self.grid.center(column, row));
             let altitude_m = self.terrain.ground(place).altitude_m() as f32;
-            let pixel =
-                LitPixels { codes: vec![*code], radiance_nw_cm2_sr: vec![1.0], altitude_m: vec![altitude_m] };
+            let pixel = LitPixels {
+                codes: vec![*code].into(),
+                radiance_nw_cm2_sr: vec![1.0].into(),
+                altitude_m: vec![altitude_m].into(),
+            };
             let skyline = match base.knows_skylines() {
                 true => skyline_of_light(self.terrain, self.grid, &pixel, 0, None),
                 false => Skyline::default(),

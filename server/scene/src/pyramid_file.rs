@@ -1,0 +1,231 @@
+//! The lights of a large scene as they are used, in a file that is mapped into memory: `pyramid.bin` beside the files of the scene.
+//!
+//! To unpack the lights of a planet and to sum them up in blocks takes seconds and gigabytes. Whoever opens a large scene first
+//! does that once and stores what came of it; from then on opening reads a header, and of the lights those are read that somebody
+//! asks for. Several processes on one machine share what is read.
+//!
+//! The file is not listed among those of the scene: like skylines that are made by tile it is made again where it is missing, of
+//! another version or damaged. Numbers are as the machine has them.
+//!
+//! Layout: a header of [`Header::bytes`] bytes, behind it the arrays, each at a multiple of [`ALIGNMENT`]: grid and mask as sections
+//! (`sections.rs`), then codes, radiances and altitudes of the pixels, then codes and blocks of each level.
+
+use crate::array::{Array, MappedFile};
+use crate::grid::Grid;
+use crate::grid_sections;
+use crate::light_layer::Lights;
+use crate::light_pyramid::{Block, LightPyramid};
+use crate::lit_pixels::LitPixels;
+use crate::mask::ValidMask;
+use crate::sections::{self, Flaw, Sections};
+use std::borrow::Cow;
+use std::fs::{File, Permissions};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+
+/// Its name.
+pub(crate) const PYRAMID_FILE: &str = "pyramid.bin";
+/// Scenes with fewer lights are opened in tenths of a second, and stay in memory.
+pub(crate) const MIN_LIGHTS: u64 = 1 << 20;
+
+/// Begins the file; as a number it tells the order of bytes.
+const MAGIC: u64 = 0x0001_4452_5950_4753;
+const FILE_MODE: u32 = 0o640;
+const ALIGNMENT: usize = 64;
+const VERSION_BYTES: usize = 32;
+/// Grid and mask, and codes, radiances and altitudes of pixels.
+const FIRST_ARRAYS: usize = 4;
+/// Levels at most: rasters have 2^24 pixels along a side at most.
+const MAX_LEVELS: usize = 24;
+
+/// What a scene's file of lights has.
+pub(crate) struct StoredPyramid {
+    pub(crate) grid: Grid,
+    pub(crate) mask: ValidMask,
+    pub(crate) lights: Lights,
+}
+
+/// The lengths of the arrays, and their hashes.
+struct Header {
+    version: String,
+    altitude_range_m: Option<[f32; 2]>,
+    /// Bytes and BLAKE3 hash.
+    arrays: Vec<(usize, blake3::Hash)>,
+}
+
+impl Header {
+    /// Bytes of a header of so many arrays.
+    fn bytes(arrays: usize) -> usize {
+        8 + VERSION_BYTES + 8 + 8 + 40 * arrays + blake3::OUT_LEN
+    }
+
+    fn write(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_ne_bytes().to_vec();
+        bytes.extend(self.version.as_bytes());
+        let [lowest, highest] = self.altitude_range_m.unwrap_or([f32::NAN; 2]);
+        bytes.extend([lowest.to_ne_bytes(), highest.to_ne_bytes()].concat());
+        bytes.extend((self.arrays.len() as u64).to_ne_bytes());
+        for (length, hash) in &self.arrays {
+            bytes.extend((*length as u64).to_ne_bytes());
+            bytes.extend(hash.as_bytes());
+        }
+        bytes.extend(blake3::hash(&bytes).as_bytes());
+        bytes
+    }
+
+    /// Undoes [`Self::write`]; None for anything else.
+    fn read(file: &[u8]) -> Option<Self> {
+        let number = |at: usize| Some(u64::from_ne_bytes(file.get(at..at + 8)?.try_into().ok()?));
+        let count = number(16 + VERSION_BYTES)? as usize;
+        if number(0)? != MAGIC || !(FIRST_ARRAYS..=FIRST_ARRAYS + 2 * MAX_LEVELS).contains(&count) {
+            return None;
+        }
+        let bytes = file.get(..Self::bytes(count))?;
+        let (content, hash) = bytes.split_at(bytes.len() - blake3::OUT_LEN);
+        if blake3::hash(content).as_bytes() != hash {
+            return None;
+        }
+        let version = String::from_utf8(content[8..8 + VERSION_BYTES].to_vec()).ok()?;
+        let altitude = |at: usize| Some(f32::from_ne_bytes(file.get(at..at + 4)?.try_into().ok()?));
+        let range = [altitude(8 + VERSION_BYTES)?, altitude(12 + VERSION_BYTES)?];
+        let array = |index: usize| {
+            let at = 24 + VERSION_BYTES + 40 * index;
+            let hash: [u8; blake3::OUT_LEN] = file.get(at + 8..at + 40)?.try_into().ok()?;
+            Some((number(at)? as usize, blake3::Hash::from_bytes(hash)))
+        };
+        let arrays = (0..count).map(array).collect::<Option<Vec<_>>>()?;
+        Some(Self { version, altitude_range_m: range.iter().all(|m| m.is_finite()).then_some(range), arrays })
+    }
+
+    /// Where the arrays are.
+    fn places(&self) -> Vec<Range<usize>> {
+        let mut at = Self::bytes(self.arrays.len());
+        let place = |(length, _): &(usize, blake3::Hash)| {
+            let start = at.next_multiple_of(ALIGNMENT);
+            at = start.saturating_add(*length);
+            start..at
+        };
+        self.arrays.iter().map(place).collect()
+    }
+}
+
+/// Stores the lights of a scene in its folder.
+pub(crate) fn write(
+    folder: &Path,
+    version: &str,
+    (grid, mask): (&Grid, &ValidMask),
+    lights: &Lights,
+) -> std::io::Result<()> {
+    let (row_start, runs) = mask.parts();
+    let mut frame = grid_sections::to_sections(grid, "");
+    frame.push(("row_start".into(), Cow::Borrowed(bytemuck::cast_slice(row_start))));
+    frame.push(("runs".into(), Cow::Borrowed(bytemuck::cast_slice(runs))));
+    let frame = sections::pack(&frame)?;
+    let pixels = &lights.pixels;
+    let mut arrays: Vec<&[u8]> = vec![
+        &frame,
+        bytemuck::cast_slice(&pixels.codes),
+        bytemuck::cast_slice(&pixels.radiance_nw_cm2_sr),
+        bytemuck::cast_slice(&pixels.altitude_m),
+    ];
+    for level in lights.pyramid.levels() {
+        arrays.extend([bytemuck::cast_slice(&level.codes), bytemuck::cast_slice::<Block, u8>(&level.blocks)]);
+    }
+    let header = Header {
+        version: version.to_owned(),
+        altitude_range_m: lights.altitude_range_m,
+        arrays: arrays.iter().map(|array| (array.len(), blake3::hash(array))).collect(),
+    };
+    let mode = Permissions::from_mode(FILE_MODE);
+    let file = tempfile::Builder::new().permissions(mode).tempfile_in(folder)?;
+    let mut writer = BufWriter::new(file);
+    let bytes = header.write();
+    writer.write_all(&bytes)?;
+    let mut at = bytes.len();
+    for (array, place) in arrays.iter().zip(header.places()) {
+        writer.write_all(&[0; ALIGNMENT][..place.start - at])?;
+        writer.write_all(array)?;
+        at = place.end;
+    }
+    let file = writer.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+    // What a power failure leaves is whole, or not there.
+    file.as_file().sync_data()?;
+    file.persist(folder.join(PYRAMID_FILE)).map(|_| ()).map_err(|error| error.error)
+}
+
+/// The lights of a scene from the file in its folder; None where there is none of this version, or it is cut short.
+pub(crate) fn open(folder: &Path, version: &str) -> Option<StoredPyramid> {
+    let file = MappedFile::new(&File::open(folder.join(PYRAMID_FILE)).ok()?).ok()?;
+    let header = Header::read(file.bytes()).filter(|header| header.version == version)?;
+    let places = header.places();
+    if places.last()?.end != file.bytes().len() {
+        return None;
+    }
+    let [frame, codes, radiance, altitude, levels @ ..] = places.as_slice() else { return None };
+    let (grid, mask) = read_frame(&file.bytes()[frame.clone()], &header.arrays[0].1).ok()?;
+    let pixels = LitPixels {
+        codes: file.array(codes.clone())?,
+        radiance_nw_cm2_sr: file.array(radiance.clone())?,
+        altitude_m: file.array(altitude.clone())?,
+    };
+    let level = |pair: &[Range<usize>]| {
+        let [codes, blocks] = pair else { return None };
+        Some((file.array::<u64>(codes.clone())?, file.array::<Block>(blocks.clone())?))
+    };
+    let levels = levels.chunks(2).map(level).collect::<Option<Vec<(Array<u64>, Array<Block>)>>>()?;
+    let fits = pixels.codes.len() == pixels.radiance_nw_cm2_sr.len()
+        && pixels.codes.len() == pixels.altitude_m.len()
+        && levels.iter().all(|(codes, blocks)| codes.len() == blocks.len());
+    let pyramid = LightPyramid::of_levels(levels, pixels.codes.len());
+    let altitude_range_m = header.altitude_range_m;
+    let lights = Lights { pixels, skylines: None, tiles: None, pyramid, altitude_range_m };
+    fits.then_some(StoredPyramid { grid, mask, lights })
+}
+
+/// Whether there is a file of this version in a folder.
+pub(crate) fn is_there(folder: &Path, version: &str) -> bool {
+    let mut start = [0u8; 8 + VERSION_BYTES];
+    let read = File::open(folder.join(PYRAMID_FILE)).and_then(|mut file| file.read_exact(&mut start));
+    read.is_ok() && start[..8] == MAGIC.to_ne_bytes() && start[8..] == *version.as_bytes()
+}
+
+fn read_frame(bytes: &[u8], hash: &blake3::Hash) -> Result<(Grid, ValidMask), Flaw> {
+    if blake3::hash(bytes) != *hash {
+        return Err("was altered (its checksum is wrong)".to_owned());
+    }
+    let sections = Sections::parse(bytes)?;
+    let grid = grid_sections::from_sections(&sections, "")?;
+    let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
+    let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
+        .ok_or("holds a mask that contradicts itself")?;
+    Ok((grid, mask))
+}
+
+/// Reads the file of a folder through, if there is one. One that is damaged is removed, to be made again.
+pub(crate) fn verify(folder: &Path) -> Result<(), Flaw> {
+    let path = folder.join(PYRAMID_FILE);
+    let Ok(file) = File::open(&path) else { return Ok(()) };
+    if is_whole(&file) {
+        return Ok(());
+    }
+    let _best_effort = std::fs::remove_file(&path);
+    Err("was altered (its checksum is wrong); it is made again when the scene is next opened".to_owned())
+}
+
+/// Read, not mapped: what is read through this way is not held.
+fn is_whole(file: &File) -> bool {
+    let mut start = Vec::new();
+    let most = Header::bytes(FIRST_ARRAYS + 2 * MAX_LEVELS) as u64;
+    let read = file.take(most).read_to_end(&mut start);
+    let Some(header) = read.ok().and_then(|_| Header::read(&start)) else { return false };
+    let mut arrays = header.places().into_iter().zip(&header.arrays);
+    arrays.all(|(place, (length, hash))| {
+        let mut hasher = blake3::Hasher::new();
+        let mut from = file;
+        let is_read = from.seek(SeekFrom::Start(place.start as u64)).is_ok()
+            && hasher.update_reader(file.take(*length as u64)).is_ok();
+        is_read && hasher.count() == *length as u64 && hasher.finalize() == *hash
+    })
+}
