@@ -54,7 +54,7 @@ def folder_bytes(folder):
 
 
 def resident_gb(pid, field="VmRSS"):
-    """Of a process: what it holds of its own, without what it reads from files and the system can take back."""
+    """Of a process: what it holds, pages of files that it looks at among it; RssAnon is without those, which the system can take back."""
     lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
     values = {line.split(":")[0]: int(line.split()[1]) for line in lines if line.endswith("kB")}
     return values[field] / 1e6
@@ -192,6 +192,7 @@ def measure(options):
                             times_ms[index].append(pair[index][0].click_ms(pair[index][1]["scene"], place))
                     row["small_ms"], row["warm_ms"] = (statistics.median(times) for times in times_ms)
                     row["slowest_ms"] = max(times_ms[1])
+                    row["own_gb"] = resident_gb(server.process.pid, "RssAnon")
                     row["resident_gb"] = resident_gb(server.process.pid)
                     row["peak_gb"] = resident_gb(server.process.pid, "VmHWM")
                     row["load"] = load()
@@ -207,15 +208,15 @@ def measure(options):
 def table(rows):
     print(
         "| lit pixels | terrain | ingest s | its peak GB | disk GB | ready s | scene open s | first word ms | first click ms | second ms | "
-        "warm click ms | slowest ms | to the smallest | resident GB | peak GB | load |"
+        "warm click ms | slowest ms | to the smallest | own GB | resident GB | peak GB | load |"
     )
-    print("|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
+    print("|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
     for row in rows:
         kind = "30″" if row["scene"].endswith("terrain") else "none"
         print(
             f"| {row['lit']:,} | {kind} | {row['ingest_s']:.0f} | {row['ingest_gb']:.2f} | {row['disk_gb']:.2f} "
             f"| {row['open_s']:.2f} | {row['opened_s']:.2f} | {row['first_word_ms']:.0f} | {row['first_ms']:.0f} | {row['second_ms']:.0f} | {row['warm_ms']:.1f} "
-            f"| {row['slowest_ms']:.0f} | {row['warm_ms'] / row['small_ms']:.2f} × | {row['resident_gb']:.2f} "
+            f"| {row['slowest_ms']:.0f} | {row['warm_ms'] / row['small_ms']:.2f} × | {row['own_gb']:.2f} | {row['resident_gb']:.2f} "
             f"| {row['peak_gb']:.2f} | {row['load']} |"
         )
     print(f"\nOn {os.cpu_count()} cores, shared with other work where the load is above them.")

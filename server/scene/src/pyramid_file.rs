@@ -20,10 +20,11 @@ use crate::mask::ValidMask;
 use crate::sections::{self, Flaw, Sections};
 use std::borrow::Cow;
 use std::fs::{File, Permissions};
-use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Read, Write};
 use std::ops::Range;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{FileExt, PermissionsExt};
 use std::path::Path;
+use std::time::Instant;
 
 /// Its name.
 pub(crate) const PYRAMID_FILE: &str = "pyramid.bin";
@@ -37,6 +38,8 @@ const ALIGNMENT: usize = 64;
 const VERSION_BYTES: usize = 32;
 /// Grid and mask, and codes, radiances and altitudes of pixels.
 const FIRST_ARRAYS: usize = 4;
+/// Read and hashed at a time.
+const PART_BYTES: usize = 4 << 20;
 /// Levels at most: rasters have 2^24 pixels along a side at most.
 const MAX_LEVELS: usize = 24;
 
@@ -214,18 +217,25 @@ pub(crate) fn verify(folder: &Path) -> Result<(), Flaw> {
     Err("was altered (its checksum is wrong); it is made again when the scene is next opened".to_owned())
 }
 
-/// Read, not mapped: what is read through this way is not held.
+/// Read, not mapped: what is read through this way is not held. Those who ask for something meanwhile have three quarters of a core.
 fn is_whole(file: &File) -> bool {
     let mut start = Vec::new();
     let most = Header::bytes(FIRST_ARRAYS + 2 * MAX_LEVELS) as u64;
     let read = file.take(most).read_to_end(&mut start);
     let Some(header) = read.ok().and_then(|_| Header::read(&start)) else { return false };
+    let mut part = vec![0; PART_BYTES];
     let mut arrays = header.places().into_iter().zip(&header.arrays);
-    arrays.all(|(place, (length, hash))| {
+    arrays.all(|(place, (_, hash))| {
         let mut hasher = blake3::Hasher::new();
-        let mut from = file;
-        let is_read = from.seek(SeekFrom::Start(place.start as u64)).is_ok()
-            && hasher.update_reader(file.take(*length as u64)).is_ok();
-        is_read && hasher.count() == *length as u64 && hasher.finalize() == *hash
+        for first in place.clone().step_by(PART_BYTES) {
+            let begun = Instant::now();
+            let part = &mut part[..PART_BYTES.min(place.end - first)];
+            if file.read_exact_at(part, first as u64).is_err() {
+                return false;
+            }
+            hasher.update(part);
+            std::thread::sleep(3 * begun.elapsed());
+        }
+        hasher.finalize() == *hash
     })
 }

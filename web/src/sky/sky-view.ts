@@ -52,9 +52,9 @@ export class SkyView {
       "landscape",
       "landscapeToday",
       landCdM2Of,
-      "place",
       "places",
     ] as const;
+    // Another place alone is no reason: its sky is on its way, and to draw the last one once more would hold it up.
     store.watch(drawn, () => this.redraw());
     store.watch(["split"], ({ panoramaToday }) => {
       if (panoramaToday !== null) this.drawSoon();

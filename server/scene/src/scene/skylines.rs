@@ -14,8 +14,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// For so long those who wait for parts of tiles have the processor for themselves.
+/// For so long at a time those who wait for parts of tiles have the processor for themselves.
 const PAUSE: Duration = Duration::from_millis(50);
+/// Of the time of the thread that makes tiles, at least this part is its own, however many wait.
+const OWN_PART: f64 = 0.5;
+/// Seconds that are given to them before the first tile.
+const FIRST_GIVEN_S: f64 = 1.0;
 
 /// What [`Scene::prepare_skylines`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -120,12 +124,17 @@ impl Scene {
         };
         // Who asked first finds the part of its own.
         std::thread::sleep(PAUSE);
+        let mut given_s = FIRST_GIVEN_S;
         while let Some(tile) = store.queue.next() {
-            while store.is_waited_for() {
+            while store.is_waited_for() && given_s > 0.0 {
                 std::thread::sleep(PAUSE);
+                given_s -= PAUSE.as_secs_f64();
             }
             match make(tile) {
-                Some(seconds) => store.queue.done(tile, lights_of(&ground, tile).len(), seconds),
+                Some(seconds) => {
+                    given_s = (1.0 - OWN_PART) / OWN_PART * seconds;
+                    store.queue.done(tile, lights_of(&ground, tile).len(), seconds);
+                }
                 None => store.queue.give_up(),
             }
         }

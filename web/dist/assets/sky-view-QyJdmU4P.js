@@ -1,0 +1,1 @@
+export{t as SkyView}from"./sky-view-R92Fg6in.js";
