@@ -22,7 +22,7 @@ test("towns are listed by their shares", async () => {
     const told = Number(first.match(/([\d.]+) %$/)[1]);
     assert.ok(Math.abs(told - 100 * places[0].share) < 0.51, `${first} for ${places[0].share}`);
     const sentence = await page.locator("#summary").textContent();
-    assert.match(sentence, new RegExp(`\\d+ % of the glow comes from ${places[0].name}`));
+    assert.match(sentence, new RegExp(`\\d+\\s% of the glow comes from ${places[0].name}`));
     const order = (part) => asked.findIndex((path) => path.includes(part));
     assert.ok(order("/shares?") > order("/panorama.sky?") && order("/panorama.sky?") >= 0);
     await shot(page, device === PHONE ? "shares-phone" : "shares");

@@ -74,8 +74,7 @@ store.watch(["place", "isAway"], ({ place, isAway }) => {
 });
 
 const goTo = (place: Place) => {
-  store.pick(place);
-  map.goTo(place);
+  if (store.pick(place)) map.goTo(place);
 };
 new Search(store, goTo);
 mountLocate(store, goTo);

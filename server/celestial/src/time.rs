@@ -49,14 +49,20 @@ pub struct Instant {
     unix_s: f64,
 }
 
+/// Bytes of a time as far as its minutes: `2026-08-20T23:16`.
+const MINUTE_BYTES: usize = 16;
+
 impl Instant {
-    /// From RFC 3339, with any offset: `2026-08-20T23:16:00Z`.
+    /// From RFC 3339, with any offset: `2026-08-20T23:16:00Z`; without seconds it is the minute's beginning.
     ///
     /// # Errors
     /// [`CelestialError::NoTime`], [`CelestialError::OutsideYears`].
     pub fn parse(text: &str) -> Result<Self, CelestialError> {
         // A plus in a query is a space unless it is escaped.
-        let spaced = text.trim().replace(' ', "+");
+        let mut spaced = text.trim().replace(' ', "+");
+        if matches!(spaced.as_bytes().get(MINUTE_BYTES), Some(b'Z' | b'z' | b'+' | b'-')) {
+            spaced.insert_str(MINUTE_BYTES, ":00");
+        }
         let time = OffsetDateTime::parse(&spaced, &Rfc3339)
             .map_err(|_| CelestialError::NoTime(text.to_owned()))?
             .to_offset(UtcOffset::UTC);
@@ -250,10 +256,12 @@ mod tests {
             ("2026-08-21T01:16:00 02:00", "2026-08-20T23:16:00Z"),
             ("1969-12-31T23:59:59.6Z", "1970-01-01T00:00:00Z"),
             ("2016-12-31T23:59:60Z", "2017-01-01T00:00:00Z"),
+            ("2026-08-20T23:16Z", "2026-08-20T23:16:00Z"),
+            ("2026-08-21T01:16+02:00", "2026-08-20T23:16:00Z"),
         ] {
             assert_eq!(Instant::parse(text).unwrap().to_rfc3339(), back, "{text}");
         }
-        for text in ["", "2026-08-20", "2026-08-20T23:16:00", "2026-02-30T00:00:00Z", "now"] {
+        for text in ["2026-08-20T23:16", "2026-08-20T2316Z", "", "2026-08-20", "2026-08-20T23:16:00", "2026-02-30T00:00:00Z", "now"] {
             assert!(matches!(Instant::parse(text), Err(CelestialError::NoTime(_))), "{text}");
         }
         for text in ["1899-12-31T23:59:59Z", "2100-01-01T00:00:00Z", "9999-01-01T00:00:00Z"] {

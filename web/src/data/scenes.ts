@@ -46,7 +46,9 @@ export function followScene(store: AppStore): void {
       return;
     }
     store.report(new Error(words().problems.noSuchScene(scene, first.title)));
-    store.set({ scene: first.id, place: null, scenario: null, view: null });
+    // Another scene may have the place all the same.
+    const isThere = state.place !== null && sceneFor(state, state.place) !== null;
+    store.set({ scene: first.id, scenario: null, ...(isThere ? {} : { place: null, view: null }) });
   });
   let requests = new AbortController();
   store.watch([sceneOf], (state) => {

@@ -9,19 +9,20 @@ export interface SkyRequests {
   shown: SkyParameters;
   /** Whose picture is shown beside it. */
   beside: { scene: string; query: SkyParameters } | null;
-  /** What painted lights change: without and with them, both with what they lie on. A plan has its own. */
+  /** What changed lights change: without and with them, both with what they lie on. Where no time is chosen, a plan has its own. */
   compared: { before: SkyParameters; after: SkyParameters } | null;
 }
 
 export function requestsOf(state: Readonly<AppState>, scene: string, place: Place): SkyRequests {
   const shown = { ...coordinatesOf(place), ...skyConditions(state) };
   const { scenario: _, ...today } = shown;
-  const painted = state.scenario?.startsWith("s-") === true ? state.scenario : null;
+  const isPainted = state.scenario?.startsWith("s-") === true;
+  const changed = isPainted || state.time !== null ? state.scenario : null;
   const base = baseOf(state);
   const before = base === null ? today : { ...today, scenario: base };
   return {
     shown,
     beside: isCompared(state) ? { scene: besideScene(state)?.id ?? scene, query: today } : null,
-    compared: painted === null ? null : { before, after: { ...today, scenario: painted } },
+    compared: changed === null ? null : { before, after: { ...today, scenario: changed } },
   };
 }

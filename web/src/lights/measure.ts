@@ -25,6 +25,8 @@ export interface MeasureChange {
   emission: string | null;
   /** Part of the light that is left, 0 to 1. */
   lightLeft: number;
+  /** Part of the night for which that is so, 0 to 1; before, no lamp is dimmed. */
+  nightPart: number;
 }
 
 const EARTH_RADIUS_M = 6_371_000;
@@ -74,7 +76,16 @@ export interface Efficacies {
 }
 
 /** Energy after a measure over that before: new lamps give the streets the light of the old ones, less what is dimmed. */
-export function energyRatio({ lampTo, lightLeft }: MeasureChange, { before, after }: Efficacies): number | null {
-  if (lampTo === null) return lightLeft;
-  return before === null || after === null ? null : (lightLeft * before) / after;
+export function energyRatio({ lampTo, lightLeft, nightPart }: MeasureChange, { before, after }: Efficacies): number | null {
+  const ofTheNight = 1 - (1 - lightLeft) * nightPart;
+  if (lampTo === null) return ofTheNight;
+  return before === null || after === null ? null : (ofTheNight * before) / after;
+}
+
+/** The part of a night from sunset to sunrise, hours by the Sun, that lies after an hour: 23 is an hour before midnight, 25 one after. */
+export function nightAfter(hour: number, [setH, riseH]: readonly [number, number]): number {
+  const afterNoon = (at: number) => (((at - 12) % 24) + 24) % 24;
+  const [set, rise, from] = [afterNoon(setH), afterNoon(riseH), afterNoon(hour)];
+  if (rise <= set) return 0;
+  return Math.min(Math.max((rise - from) / (rise - set), 0), 1);
 }

@@ -1,10 +1,11 @@
 // The viewer's store: what a link holds of its state is in the page's address, and comes back with the browser's history.
 
-import { isWithoutAnswer } from "../api/problem.ts";
+import { isWithoutAnswer, noAnswer } from "../api/problem.ts";
 import { words } from "../language/words.ts";
 import type { Region } from "../sky/region.ts";
 import { Store } from "../store.ts";
 import { debounced } from "../ui/dom.ts";
+import { coordinates } from "../ui/format.ts";
 import { type AppState, initialState, sceneFor } from "./app-state.ts";
 import { fragmentFromState, stateFromFragment } from "./fragment.ts";
 import { DEFAULT_STATE, type Place, withLayer } from "./view-state.ts";
@@ -48,17 +49,26 @@ export class AppStore extends Store<AppState> {
     this.set(part);
   }
 
-  /** Shows a place, in the scene that has it. */
-  pick(place: Place): void {
+  /** Shows a place, in the scene that has it, and says whether it does: what is shown stays where there is none, or no server. */
+  pick(place: Place): boolean {
     const { state } = this;
     // The list of packs comes with that of scenes.
     if (state.scenes.length === 0 && state.atmospheres.length > 0) {
       this.report(new Error(words().problems.noScenes));
-      return;
+      return false;
+    }
+    if (state.isAway && state.place !== null) {
+      this.set({ problem: { reason: noAnswer() } });
+      return false;
     }
     const scene = sceneFor(state, place);
+    if (scene === null && state.scenes.length > 0) {
+      this.report(new Error(words().top.noSceneCovers(coordinates(place.latitude_deg, place.longitude_deg))));
+      return false;
+    }
     const isOther = scene !== null && scene.id !== state.scene;
     this.push({ place, problem: null, ...(isOther ? { scene: scene.id, scenario: null } : {}) });
+    return true;
   }
 
   /** Marks a part of the sky, and shows which lights cause it; null: no part. */

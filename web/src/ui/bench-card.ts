@@ -3,7 +3,7 @@
 import type { EditBody } from "../api/schema.ts";
 import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
-import { energyRatio, type MeasureChange, measureEdit } from "../lights/measure.ts";
+import { energyRatio, type MeasureChange, measureEdit, nightAfter } from "../lights/measure.ts";
 import { withUndo } from "../lights/painting.ts";
 import { type AppState, baseOf, scenarioOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
@@ -18,6 +18,22 @@ import { fillGroups, fillSelect } from "./select.ts";
 /** Towns that are offered, those of the largest shares. */
 const OFFERED_TOWNS = 6;
 const OFFERED_AREAS = 40;
+
+/** Hours by the Sun after which lamps may be dimmed, from noon on: 25 is one o'clock. */
+const CURFEWS = [22, 23, 24, 25] as const;
+const HOUR_MS = 3_600_000;
+
+function hourTitle(hour: number): string {
+  return `${String(hour % 24).padStart(2, "0")}:00`;
+}
+
+/** Hours of sunset and sunrise by the Sun; of a night that is not known, or has none, those of the equinox. */
+function nightHours({ night, place }: Readonly<AppState>): [number, number] {
+  const { set_utc = null, rise_utc = null } = night?.sun ?? {};
+  if (set_utc === null || rise_utc === null || place === null) return [18, 6];
+  const bySun = (utc: string) => (Date.parse(utc) / HOUR_MS + place.longitude_deg / 15) % 24;
+  return [bySun(set_utc), bySun(rise_utc)];
+}
 
 /** Where the measure can hold. */
 type Where = { key: string; title: string } & ({ town: Place } | { feature: unknown });
@@ -39,6 +55,7 @@ export class BenchCard {
   private readonly to = byId("bench-to", HTMLSelectElement);
   private readonly shielding = byId("bench-shielding", HTMLSelectElement);
   private readonly dimmed = byId("bench-dimmed", HTMLInputElement);
+  private readonly curfew = byId("bench-curfew", HTMLSelectElement);
   private readonly hint = byId("bench-hint", HTMLElement);
   private readonly answer = byId("bench-answer", HTMLElement);
   private places: readonly Where[] = [];
@@ -46,7 +63,7 @@ export class BenchCard {
   /** Of which place the towns are. */
   private townsOf: Place | null = null;
   /** What was applied last, and what it changes. */
-  private applied: { edit: EditBody; change: MeasureChange } | null = null;
+  private applied: { edit: EditBody; change: MeasureChange; curfew: string | null } | null = null;
 
   constructor(
     private readonly store: AppStore,
@@ -55,6 +72,11 @@ export class BenchCard {
     const { bench } = placeWords();
     fillGroups(this.to, [{ title: "", choices: [["", bench.sameLamps]] }, ...lampGroups()], "", lampTitle);
     fillSelect(this.shielding, [["", bench.sameShielding], ...emissions()], "");
+    fillSelect(
+      this.curfew,
+      [["", bench.curfewNone], ...CURFEWS.map((hour): [string, string] => [String(hour), bench.curfewFrom(hourTitle(hour))])],
+      "",
+    );
     for (const slider of [this.radius, this.dimmed]) slider.addEventListener("input", () => this.showValues());
     for (const id of ["bench-efficacy-before", "bench-efficacy-after"])
       byId(id, HTMLInputElement).addEventListener("input", () => this.showAnswer(store.state));
@@ -120,6 +142,7 @@ export class BenchCard {
       lampTo: chosenOf(this.to),
       emission: chosenOf(this.shielding),
       lightLeft: 1 - Number(this.dimmed.value) / 100,
+      nightPart: this.curfew.value === "" ? 1 : nightAfter(Number(this.curfew.value), nightHours(this.store.state)),
     };
   }
 
@@ -139,7 +162,7 @@ export class BenchCard {
     }
     this.say("");
     const before = this.applied?.edit ?? null;
-    this.applied = { edit, change };
+    this.applied = { edit, change, curfew: change.lightLeft < 1 ? chosenOf(this.curfew) : null };
     this.lights.apply(edit, before);
   }
 
@@ -167,8 +190,11 @@ export class BenchCard {
       energyRatio: painting.done.length === 1 ? energyRatio(applied.change, efficacies) : null,
     };
     const count = painting.done.length;
-    const notes = [baseNote(base), count > 1 ? together(whole(count)) : "", colourNote(before, after)];
-    const undo = make("button", "quiet", placeWords().bench.undo) as HTMLButtonElement;
+    const { bench } = placeWords();
+    const { curfew, change } = applied;
+    const told = curfew === null ? "" : bench.curfewTold(hourTitle(Number(curfew)), percent(change.nightPart));
+    const notes = [told, baseNote(base), count > 1 ? together(whole(count)) : "", colourNote(before, after)];
+    const undo = make("button", "quiet", bench.undo) as HTMLButtonElement;
     undo.type = "button";
     undo.addEventListener("click", () => this.lights.repaint(withUndo(this.store.state.painting)));
     this.answer.replaceChildren(

@@ -16,7 +16,7 @@ import { lampTitle } from "./lamps.ts";
 import { nightFold } from "./night-fold.ts";
 import { row } from "./row.ts";
 import { scatteringTitle } from "./scattering.ts";
-import { dominantLight, WELL_KNOWN } from "./summary.ts";
+import { dominantLight, isByDay, WELL_KNOWN } from "./summary.ts";
 
 /** Artificial light at the zenith over the natural one: with less, its own magnitude says nothing. */
 const NO_ARTIFICIAL_RATIO = 0.001;
@@ -94,7 +94,8 @@ function bortleWords({ sky, coverage, night_sky, cloud_cover }: SkyAnswer): stri
   const say = placeWords().numbers;
   if (sky.bortle_class == null) return coverOf(cloud_cover) < 1 ? say.betweenClouds : say.overcast;
   const light = night_sky == null ? null : dominantLight(night_sky, sky.zenith_luminance_cd_m2);
-  if (light !== null) return light === "sun" ? say.inTwilight : say.inMoonlight;
+  if (light === "sun") return isByDay(night_sky) ? say.byDay : say.inTwilight;
+  if (light === "moon") return say.inMoonlight;
   const name = placeWords().bortle[sky.bortle_class - 1] ?? "";
   return coverage < WELL_KNOWN ? say.orBrighter(name) : name;
 }
@@ -137,7 +138,9 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
     artificialAlone(answer, unit),
   );
 
-  const bortleClass = sky.bortle_class ?? null;
+  // The Sun's light is no matter of lamps.
+  const isSunlit = answer.night_sky != null && dominantLight(answer.night_sky, sky.zenith_luminance_cd_m2) === "sun";
+  const bortleClass = isSunlit ? null : (sky.bortle_class ?? null);
   const bortleNumber = make("b", "", bortleClass === null ? "–" : String(bortleClass));
   bortleNumber.dataset.value = "bortle_class";
   const steps = make("div", "bortle-steps");
@@ -159,7 +162,8 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
   const brightest = say.brightestAt(compassName(sky.brightest_azimuth_deg), sky.brightest_elevation_deg.toFixed(0));
   const { ground_albedo } = answer;
   const ground = ground_albedo === null || ground_albedo === undefined ? "" : say.albedo(shortNumber(ground_albedo));
-  const limit = sky.naked_eye_limit_mag;
+  const isDay = isByDay(answer.night_sky);
+  const limit = isDay ? null : sky.naked_eye_limit_mag;
   const list = make(
     "dl",
     "number-list",
@@ -173,7 +177,7 @@ function showNumbers(container: HTMLElement, answer: SkyAnswer, { unit, lamp }: 
     ),
     ...brightestWall(sky),
     limit === null || limit === undefined
-      ? row(say.faintestStars, ...starsBehind(answer), "naked_eye_limit")
+      ? row(say.faintestStars, ...(isDay ? ([say.noStars, say.byDay] as const) : starsBehind(answer)), "naked_eye_limit")
       : row(say.faintestStars, fixed(limit, 2), say.nakedEye, "naked_eye_limit"),
     row(say.sqm, magnitude(sky.sqm_total_brightness_mag_arcsec2 ?? null), "mag/arcsec²", "sqm"),
     row(say.brightest, withPrefix(sky.brightest_luminance_cd_m2, "cd/m²"), "", "brightest", brightest),

@@ -49,6 +49,9 @@ export class PaintCard {
       this.setPainting(!this.isPainting);
       if (this.isPainting) byId("map-area", HTMLElement).scrollIntoView({ block: "nearest" });
     });
+    addEventListener("keydown", ({ key }) => {
+      if (key === "Escape") this.setPainting(false);
+    });
     byId("paint-stop", HTMLButtonElement).addEventListener("click", () => {
       this.setPainting(false);
       this.draw.scrollIntoView({ block: "center" });

@@ -59,8 +59,7 @@ export function mountPlaceCards(store: AppStore, lights: Lights, map: MapMoves):
   new TimeLine(store);
   new DarkerSession(store);
   const goTo = (place: Place) => {
-    store.pick({ latitude_deg: place.latitude_deg, longitude_deg: place.longitude_deg });
-    map.goTo(place);
+    if (store.pick({ latitude_deg: place.latitude_deg, longitude_deg: place.longitude_deg })) map.goTo(place);
   };
   mountDarker(store, goTo);
   new Compare(store, goTo);

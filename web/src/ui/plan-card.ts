@@ -5,7 +5,7 @@ import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
 import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { LISTED_PIXELS } from "../lights/plan-request.ts";
-import { planOf } from "../state/app-state.ts";
+import { type AppState, planOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { comparisonRows, measureTitle, plannedRow } from "./comparison.ts";
 import { byId, make } from "./dom.ts";
@@ -42,12 +42,14 @@ export class PlanCard {
       // Plans that follow a slider need no message: the sky shows them.
       this.progress.textContent = isSearching && !form.isLive() ? placeWords().plan.searching : "";
     });
-    store.watch([planOf, "places"], (state) => this.show(planOf(state), state.places));
-  }
-
-  private show(plan: Plan | null, places: readonly NamedPlace[]): void {
-    this.reached.replaceChildren(...(plan === null ? [] : this.goals(plan, places)));
-    this.answer.replaceChildren(...(plan === null ? [] : [...this.plan(plan, places), this.drop()]));
+    store.watch([planOf, "places"], (state) => {
+      const plan = planOf(state);
+      this.reached.replaceChildren(...(plan === null ? [] : this.goals(plan, state.places)));
+    });
+    store.watch([planOf, "places", "comparison"], (state) => {
+      const plan = planOf(state);
+      this.answer.replaceChildren(...(plan === null ? [] : [...this.plan(plan, state), this.drop()]));
+    });
   }
 
   /** What the plan reaches, and why not more; screen readers announce it. */
@@ -68,33 +70,35 @@ export class PlanCard {
     });
   }
 
-  private plan(plan: Plan, places: readonly NamedPlace[]): HTMLElement[] {
+  private plan(plan: Plan, { places, comparison, scenario }: Readonly<AppState>): HTMLElement[] {
+    // Skies of the chosen time are those of the picture; a plan's own know no time.
+    const shown = plan.sites.length === 1 && scenario === plan.id ? comparison : null;
     const sites = plan.sites.flatMap((site) => {
-      const { sky_before, sky_after } = site;
+      const { before: skyBefore, after: skyAfter } = shown ?? { before: site.sky_before, after: site.sky_after };
       const numbers = make(
         "dl",
         "number-list",
         changeRow(
           placeWords().plan.zenith,
-          magnitude(sky_before.zenith_brightness_mag_arcsec2 ?? null),
-          magnitude(sky_after.zenith_brightness_mag_arcsec2 ?? null),
+          magnitude(skyBefore.zenith_brightness_mag_arcsec2 ?? null),
+          magnitude(skyAfter.zenith_brightness_mag_arcsec2 ?? null),
           "mag/arcsec²",
         ),
-        ...(sky_before.bortle_class == null || sky_after.bortle_class == null
+        ...(skyBefore.bortle_class == null || skyAfter.bortle_class == null
           ? []
-          : [changeRow(placeWords().numbers.bortleClass, String(sky_before.bortle_class), String(sky_after.bortle_class), "")]),
-        ...(sky_before.naked_eye_limit_mag == null || sky_after.naked_eye_limit_mag == null
+          : [changeRow(placeWords().numbers.bortleClass, String(skyBefore.bortle_class), String(skyAfter.bortle_class), "")]),
+        ...(skyBefore.naked_eye_limit_mag == null || skyAfter.naked_eye_limit_mag == null
           ? []
           : [
               changeRow(
                 placeWords().numbers.faintestStars,
-                fixed(sky_before.naked_eye_limit_mag, 2),
-                fixed(sky_after.naked_eye_limit_mag, 2),
+                fixed(skyBefore.naked_eye_limit_mag, 2),
+                fixed(skyAfter.naked_eye_limit_mag, 2),
                 "mag",
               ),
             ]),
       );
-      return [...plannedRow(site), numbers, ...comparisonRows({ before: sky_before, after: sky_after })];
+      return [...plannedRow(site), numbers, ...comparisonRows({ before: skyBefore, after: skyAfter })];
     });
     const light = make(
       "p",

@@ -77,18 +77,21 @@ test("the glow is told by its towns", () => {
     elsewhere: { share: 0.04 },
     places: shares.map((share, i) => ({ share, name: ["Milano", "Como", "Lecco"][i] })) as never[],
   });
-  assert.equal(glowSentence(answerOf({}), of(0.641, 0.118, 0.1)), "64 % of the glow comes from Milano, 12 % from Como.");
-  assert.equal(glowSentence(answerOf({}), of(0.897, 0.04)), "90 % of the glow comes from Milano.");
-  assert.equal(glowSentence(answerOf({}), of(0.032, 0.03)), "The glow comes from many towns, at most 4 % from each.");
+  assert.equal(glowSentence(answerOf({}), of(0.641, 0.118, 0.1)), "64\u00a0% of the glow comes from Milano, 12\u00a0% from Como.");
+  assert.equal(glowSentence(answerOf({}), of(0.897, 0.04)), "90\u00a0% of the glow comes from Milano.");
+  assert.equal(glowSentence(answerOf({}), of(0.032, 0.03)), "The glow comes from many towns, at most 4\u00a0% from each.");
   assert.equal(glowSentence(answerOf({}), { ...of(0.9), measure: "region" }), "");
   assert.equal(glowSentence(answerOf({ ratio_to_natural: 0.002 }), of(0.9)), "");
   assert.equal(glowSentence(answerOf({}, 1, nightOf({ sun: 1e3 }, 12, -10, null)), of(0.9)), "");
   assert.equal(glowSentence(answerOf({}), of()), "");
   // Flares and mines are no town.
   const far = (share: number, ...shares: number[]) => glowSentence(answerOf({}), { ...of(...shares), elsewhere: { share } });
-  assert.match(far(0.991, 0.004), /^Most of the glow, 99 %, comes from lights far from any town \(.* fishing fleets\)\.$/);
-  assert.match(far(0.7), /^Most of the glow, 70 %, /);
-  assert.match(far(0.4, 0.3, 0.1), /^40 % of the glow comes from lights far from any town \(.* fleets\), 30 % from Milano\.$/);
-  assert.match(far(0.2, 0.03), /^20 % of the glow comes from lights far/);
-  assert.equal(far(0.3, 0.6), "60 % of the glow comes from Milano.");
+  assert.match(far(0.991, 0.004), /^Most of the glow, 99\u00a0%, comes from lights far from any town \(.* fishing fleets\)\.$/);
+  assert.match(far(0.7), /^Most of the glow, 70\u00a0%, /);
+  assert.match(
+    far(0.4, 0.3, 0.1),
+    /^40\u00a0% of the glow comes from lights far from any town \(.* fleets\), 30\u00a0% from Milano\.$/,
+  );
+  assert.match(far(0.2, 0.03), /^20\u00a0% of the glow comes from lights far/);
+  assert.equal(far(0.3, 0.6), "60\u00a0% of the glow comes from Milano.");
 });

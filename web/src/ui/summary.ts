@@ -46,6 +46,11 @@ export function dominantLight({ components }: NightSky, artificialCdM2: number):
   return Math.max(sun, moon) < rest ? null : sun > moon ? "sun" : "moon";
 }
 
+/** Whether the Sun is up. */
+export function isByDay(night: NightSky | null | undefined): boolean {
+  return night != null && night.sun.true_altitude_deg > SUN_SETS_DEG;
+}
+
 /** What the sky is like, without whose light it is. */
 function quality({ sky, coverage, night_sky, cloud_cover }: Summarized): string {
   const say = placeWords().summary;
@@ -83,8 +88,7 @@ export function summaryOf(answer: Summarized, isTonight = false): string[] {
   const say = placeWords().summary;
   const first = quality(answer);
   if (sky.bortle_class == null) return [first];
-  const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
-  if (isDay) return [first];
+  if (isByDay(night_sky)) return [first];
   const tell = isTonight ? say.starsTonight : say.stars;
   const stars = night_sky == null ? "" : tell(aboutStars(night_sky.stars.visible), aboutStars(night_sky.stars.above_horizon));
   return [first, milkyWay(answer), stars].filter((sentence) => sentence !== "");
@@ -95,9 +99,10 @@ type Glow = Pick<Shares, "measure" | "places"> & { elsewhere: Pick<Shares["elsew
 /** Whose light it is overhead, in a sentence; empty where there is nothing to say. */
 export function glowSentence({ sky, night_sky }: Summarized, { measure, places, elsewhere }: Glow): string {
   const say = placeWords().summary;
-  const isDay = night_sky != null && night_sky.sun.true_altitude_deg > SUN_SETS_DEG;
   const [first, ...others] = places;
-  if (measure !== "zenith" || isDay || sky.ratio_to_natural < PRISTINE_RATIO) return "";
+  // Where Sun or Moon outshine the lamps, most of the glow is theirs.
+  const isOfLamps = night_sky == null || dominantLight(night_sky, sky.zenith_luminance_cd_m2) === null;
+  if (measure !== "zenith" || !isOfLamps || sky.ratio_to_natural < PRISTINE_RATIO) return "";
   const percent = (share: number) => whole(Math.round(100 * share));
   const too = (towns: Shares["places"], count: number) =>
     towns

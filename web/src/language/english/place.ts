@@ -90,14 +90,14 @@ export const place = {
     stars: (visible: string, all: string) => `You see about ${visible} of ${all} stars.`,
     starsTonight: (visible: string, all: string) => `You see about ${visible} of ${all} stars tonight.`,
     /** `more`: others with their parts, or nothing. */
-    glow: (percent: string, town: string, more: string) => `${percent} % of the glow comes from ${town}${more}.`,
-    glowToo: (percent: string, town: string) => `, ${percent} % from ${town}`,
+    glow: (percent: string, town: string, more: string) => `${percent}\u00a0% of the glow comes from ${town}${more}.`,
+    glowToo: (percent: string, town: string) => `, ${percent}\u00a0% from ${town}`,
     /** Most of all, or more than of any town, is no town's light. */
     glowMostlyFar: (percent: string, more: string) =>
-      `Most of the glow, ${percent} %, comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
+      `Most of the glow, ${percent}\u00a0%, comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
     glowFar: (percent: string, more: string) =>
-      `${percent} % of the glow comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
-    glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent} % from each.`,
+      `${percent}\u00a0% of the glow comes from lights far from any town (gas flares, mines, greenhouses, fishing fleets)${more}.`,
+    glowOfMany: (percent: string) => `The glow comes from many towns, at most ${percent}\u00a0% from each.`,
   },
   /** Whose light the sky is. */
   shares: {
@@ -169,6 +169,7 @@ export const place = {
     betweenClouds: "not told between clouds",
     inMoonlight: "with the Moon's light",
     inTwilight: "in twilight",
+    byDay: "by day",
     /** With much of the surroundings unknown. */
     orBrighter: (name: string) => `${name}, or brighter`,
     ratio: "Artificial at the zenith",
@@ -200,7 +201,7 @@ export const place = {
     /** `degrees`: above the horizon. */
     upTowards: (degrees: string, compass: string) => `${degrees}° up, ${compass}`,
     belowHorizon: (degrees: string) => `${degrees}° below the horizon`,
-    brightest: "Brightest",
+    brightest: "Brightest, artificial alone",
     brightestAt: (compass: string, elevationDeg: string) => `towards ${compass}, ${elevationDeg}° up`,
     observer: "Observer",
     coverage: "Light known within 300 km",
@@ -320,6 +321,13 @@ export const place = {
     shielding: "Shielding",
     sameShielding: "as it is",
     dimmed: "Dimmed by",
+    curfew: "When",
+    curfewNone: "all night",
+    /** `hour`: by the Sun, `23:00`. */
+    curfewFrom: (hour: string) => `after ${hour}`,
+    /** `part`: of the night that lies after the hour. */
+    curfewTold: (hour: string, part: string) =>
+      `What stands here is the sky after ${hour}, by the Sun; before, no lamp is dimmed. The energy is that of all of this night, of which ${part} come after.`,
     energy: "Energy",
     energyLead: "Efficacies with all that drives the lamps; of other lamps the energy is not known without them.",
     efficacyBefore: "Old lamps, lm/W",

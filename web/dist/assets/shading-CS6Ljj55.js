@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-D8CtX8y5.js";

@@ -1,1 +1,0 @@
-export{t as SkyView}from"./sky-view-R92Fg6in.js";
