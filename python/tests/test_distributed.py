@@ -13,6 +13,7 @@ from baking import ASKED, DATA, PACKS, bits, by_the_program, made
 import skyglow
 import skyglow.distributed
 import skyglow.maps
+import skyglow.shards
 
 TILES = (5, 6)
 
@@ -158,6 +159,13 @@ def test_a_bucket_holds_a_map_too(whole, tile, bucket):
     obstore.put(obstore.store.from_url("s3://maps/theirs", **options), "notes.txt", b"mine")
     with pytest.raises(skyglow.SkyglowError, match="no map of this program"):
         made("s3://maps/theirs", store=options, resume=False)
+
+
+def test_shards_beyond_the_last_column():
+    """Of a map around the Earth, whose last shard is narrow: bounds across its ends have shards of both, each once."""
+    assert skyglow.shards._over((86_160, 86_640), 1024, 86_400) == [84, 0]
+    assert skyglow.shards._over((1_000, 1_025), 1024, 86_400) == [0, 1]
+    assert skyglow.shards._over((500, 86_700), 1024, 86_400) == list(range(85))
 
 
 def test_without_zarr_it_says_what_is_missing():

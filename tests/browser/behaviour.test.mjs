@@ -13,7 +13,7 @@ import {
   skyShown,
 } from "./support/browser.mjs";
 import { skyPath } from "./support/sky.mjs";
-import { browser, fragment, here } from "./support/stage.mjs";
+import { browser, fragment, here, inLink } from "./support/stage.mjs";
 
 const text = (page, key) => page.locator(`[data-value=${key}]`).textContent();
 const zenithOf = async (place, more = "") =>
@@ -141,6 +141,24 @@ test("a place outside the scene is a problem", async () => {
   // Chromium itself notes the 404; nothing else may be amiss.
   const own = faults.filter((fault) => !/status of 404/.test(fault));
   assert.deepEqual(own, []);
+  await context.close();
+});
+
+/** Coordinates that no scene has are told so, and all that was shown stays; a link's place that another scene has is shown there. */
+test("a place that no scene has loses nothing", async () => {
+  const { latitude_deg, longitude_deg } = here.beside;
+  const opened = await openPage(browser, `#scene=gone&lat=${latitude_deg}&lon=${longitude_deg}`);
+  const { page, context } = opened;
+  await skyShown(page);
+  assert.equal(inLink(page, "scene"), here.scene.id);
+  await page.getByRole("alert").getByText("gone").waitFor();
+  const before = await text(page, "zenith_mag");
+  await page.fill("#search", "-52.5, -13.4");
+  await page.press("#search", "Enter");
+  await page.getByRole("alert").getByText("No scene of this server covers").waitFor();
+  assert.equal(await text(page, "zenith_mag"), before);
+  assert.equal(Number(inLink(page, "lat")), Number(latitude_deg.toFixed(5)));
+  assertNoFaults(opened);
   await context.close();
 });
 

@@ -40,6 +40,15 @@ test("a measure changes lamps around a town", async () => {
     await page.fill("#bench-efficacy-after", "140");
     assert.deepEqual(await row(page, "energy"), ["100 %", "50 %", "−50 %"]);
     await shot(page, device === PHONE ? "bench-phone" : "bench");
+    // Dimmed after midnight alone, about half of the night.
+    await page.selectOption("#bench-to", "");
+    await page.selectOption("#bench-curfew", "24");
+    await page.click("#bench-apply");
+    await page.getByText("is the sky after 00:00, by the Sun").waitFor();
+    const [, after30] = await row(page, "energy");
+    assert.ok(Number.parseInt(after30, 10) >= 83 && Number.parseInt(after30, 10) <= 87, after30);
+    await page.selectOption("#bench-to", "pc_amber");
+    await page.selectOption("#bench-curfew", "");
 
     await page.selectOption("#bench-shielding", "full_cutoff");
     await page.click("#bench-apply");

@@ -148,6 +148,10 @@ test("a finger paints on a phone", async () => {
   const client = await context.newCDPSession(page);
   const box = await page.locator("#map").boundingBox();
   assert.ok(box.y < PHONE.viewport.height, "the map is not in view to be painted on");
+  // What ends it lies in view, below nothing.
+  const end = await page.locator("#paint-stop").boundingBox();
+  const hit = await page.evaluate(([x, y]) => document.elementFromPoint(x, y)?.id, [end.x + end.width / 2, end.y + 6]);
+  assert.equal(hit, "paint-stop");
   const point = (i) => ({ x: box.x + box.width * (0.4 + 0.02 * i), y: Math.max(box.y, 0) + 150 });
   await client.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [point(0)] });
   for (let i = 1; i < 10; i++) await client.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: [point(i)] });
@@ -155,6 +159,8 @@ test("a finger paints on a phone", async () => {
   await changedFrom(page, null);
   await skyShown(page);
   await shot(page, "paint-phone");
+  await page.keyboard.press("Escape");
+  await page.waitForSelector("#paint-stop", { state: "hidden" });
   assertNoFaults(opened);
   await context.close();
 });

@@ -10,6 +10,25 @@ async function findPlan(page) {
   await page.waitForSelector("#plan-status .plan-reached");
 }
 
+/** At a time the plan's card has the numbers of the picture, before and after. */
+test("a plan at a time has that time's numbers", async () => {
+  const time = "&time=2026-08-12T23:00:00Z";
+  const opened = await openPage(browser, fragment(here.beside, time));
+  const { page, context } = opened;
+  await skyShown(page);
+  await findPlan(page);
+  const lights = `&lamp=mixed&emission=modern_city${time}`;
+  const of = async (more) => (await getJson(skyPath(here.scene, "sky", here.beside, `${lights}${more}`))).sky;
+  const [before, after] = [await of(""), await of(`&scenario=${inLink(page, "scenario")}`)];
+  const limits = [before, after].map((sky) => sky.naked_eye_limit_mag.toFixed(2));
+  await page.waitForFunction(
+    (limits) => limits.every((limit) => document.querySelector("#plan-answer")?.textContent.includes(limit)),
+    limits,
+  );
+  assertNoFaults(opened);
+  await context.close();
+});
+
 /** A plan makes the zenith as much darker as wished, says whose light goes, and can be left again. */
 test("a plan makes the zenith darker", async () => {
   const opened = await openPage(browser, fragment(here.beside));

@@ -22,6 +22,13 @@ test("a server that comes back is asked again", async () => {
   assert.match(await notice.textContent(), /The server does not answer/);
   assert.doesNotMatch(await page.locator("body").textContent(), /AJAXError|Failed to fetch/);
   assert.equal(await page.locator("[data-value=zenith_mag]").textContent(), before);
+  // Another place cannot be shown now, and so the last one stays.
+  const link = page.url();
+  await page.fill("#search", `${here.town.latitude_deg}, ${here.town.longitude_deg}`);
+  await page.press("#search", "Enter");
+  await page.waitForTimeout(200);
+  assert.equal(page.url(), link);
+  assert.equal(await page.locator("[data-value=zenith_mag]").textContent(), before);
   assert.equal(await page.getAttribute("body", "data-sky"), "picture");
   await shot(page, "away");
   await context.unroute("**/api/v1/**");

@@ -44,6 +44,18 @@ test("a time shows the sky of that time", async () => {
   await context.close();
 });
 
+/** The Sun's light is no matter of lamps: by day there is no class and no star. */
+test("by day there is no class of the sky", async () => {
+  const opened = await openPage(browser, fragment(here.beside, "&time=2026-08-12T11:00Z"), IN_UTC);
+  const { page, context } = opened;
+  await skyShown(page);
+  assert.equal(await text(page, "bortle_class"), "–");
+  assert.match(await page.locator(".bortle-name").textContent(), /by day/);
+  assert.doesNotMatch(await page.locator("#numbers").textContent(), /naked eye/);
+  assertNoFaults(opened);
+  await context.close();
+});
+
 /** The line reaches from sunset to sunrise, and keys move the time along it. */
 test("the time moves along the night by keys", async () => {
   const opened = await openPage(browser, fragment(here.beside, "&time=2026-08-12T23:00Z"), IN_UTC);

@@ -5,7 +5,7 @@ use serde::Serialize;
 use skyglow_app::{
     AppError,
     fingerprint::brightness_content,
-    map_part::{MAX_MAP_PLACES, MapFrame, brightness_part, window_within},
+    map_part::{MapFrame, check_part, window_within},
     problem::LineError,
     request::{self, scene_id},
     validation::ValidationCode,
@@ -90,8 +90,7 @@ impl Answers {
             let (request, view) = self.map(question)?;
             let prepared = self.prepared(&request, &view)?;
             let lattice = prepared.lattice();
-            let is_within = |range: &Range<u32>, count: u32| range.start < range.end && range.end <= count;
-            if !is_within(&window.columns, lattice.columns) || !is_within(&window.rows, lattice.rows) {
+            if !window.pieces(lattice).iter().all(|piece| piece.is_within(lattice)) {
                 return Err(AppError::parameter(
                     "window",
                     format!("columns {:?}, rows {:?}", window.columns, window.rows),
@@ -100,8 +99,9 @@ impl Answers {
                     ValidationCode::OutOfRange,
                 ));
             }
-            let (_, part) = brightness_part(&prepared, Some(window), &|done| watch(done))?;
-            Ok(part.values().to_vec())
+            check_part(window.count())?;
+            let part = self.source.brightness_part(&prepared, Some(window), &|done| watch(done))?;
+            Ok(part.places().values().to_vec())
         };
         part().map_err(|error: AppError| Box::new(problem(&error)))
     }
@@ -128,11 +128,11 @@ impl Answers {
 
     fn map(&self, question: &MapQuestion<'_>) -> Result<(BrightnessRequest, SceneView), AppError> {
         let MapQuestion { scene, query, places } = *question;
-        if !(1..=MAX_MAP_PLACES).contains(&places) {
+        if places == 0 {
             return Err(AppError::parameter(
                 "places",
                 places.to_string(),
-                format!("1 to {MAX_MAP_PLACES}"),
+                format!("1 to {}", u32::MAX),
                 "a map has no such number of places".to_owned(),
                 ValidationCode::OutOfRange,
             ));

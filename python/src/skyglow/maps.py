@@ -24,7 +24,10 @@ Bounds = tuple[float, float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class Window:
-    """Rows from the north and columns from the west of a map: the first, and one beyond the last."""
+    """Rows from the north and columns from the west of a map: the first, and one beyond the last.
+
+    Of a map that goes all around the Earth the columns may go on beyond the last, from the first.
+    """
 
     rows: tuple[int, int]
     columns: tuple[int, int]
@@ -36,7 +39,7 @@ class Window:
 
     @property
     def slices(self) -> tuple[slice, slice]:
-        """What it is of an array of the whole map."""
+        """What it is of an array of the whole map, if it does not go on beyond its last column."""
         return slice(*self.rows), slice(*self.columns)
 
 

@@ -60,8 +60,8 @@ class Shards:
     def over(self, window: Window) -> list[Tile]:
         """The shards that have places of a window, from the north."""
         rows, columns = (
-            range(first // side, (end - 1) // side + 1)
-            for (first, end), side in zip((window.rows, window.columns), self.tile, strict=True)
+            _over(ends, side, length)
+            for ends, side, length in zip((window.rows, window.columns), self.tile, self._array.shape, strict=True)
         )
         return [(row, column) for row in rows for column in columns]
 
@@ -120,6 +120,14 @@ def open_shards(
         stores.clear(store)
     _create(store, name, frame, _fitted(tile or _natural(frame), frame.shape))
     return Shards(store, name)
+
+
+def _over(ends: Tile, side: int, length: int) -> list[int]:
+    """The parts of a side, each once, that have places between two ends, of which one may lie beyond the last."""
+    first, end = ends
+    pieces = [(first, min(end, length)), (0, end - length)]
+    parts = (at for first, end in pieces if end > first for at in range(first // side, (end - 1) // side + 1))
+    return list(dict.fromkeys(parts))
 
 
 def variable_in(group: zarr.Group) -> str:

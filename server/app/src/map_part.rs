@@ -5,12 +5,13 @@ use crate::{
     error::AppError,
     facts::SourceFacts,
     fingerprint::brightness_content,
+    validation::ValidationCode,
 };
 use serde::Serialize;
-use skyglow_observatory::{BrightnessMap, BrightnessRequest, PreparedBrightness, SceneView};
-use skyglow_scene::{PatchStore, PlaceValues, PlaceWindow};
+use skyglow_observatory::{BrightnessRequest, SceneView};
+use skyglow_scene::PlaceWindow;
 
-/// Most places of a map.
+/// Most places that are found at a time, of a map or a part of one. A map as a whole may have more.
 pub const MAX_MAP_PLACES: u32 = 400_000_000;
 
 /// What a map of brightness will be, before any of it is found.
@@ -79,48 +80,35 @@ pub fn window_within(request: &BrightnessRequest, view: &SceneView, bounds: [f64
     scene.places_within(scene.place_lattice(request.max_places), bounds)
 }
 
-/// Finds a part of a map: the map, in which only places near the window have numbers, and the numbers of the window.
-///
-/// * `window`: None for all places.
-/// * `store`: as in [`SkySource::brightness`](crate::SkySource::brightness).
+/// Whether so many places may be found at a time.
 ///
 /// # Errors
-/// [`AppError::EngineDown`] where the store cancelled it; [`AppError::Internal`] for a window beyond the map.
-pub fn brightness_part(
-    prepared: &PreparedBrightness,
-    window: Option<&PlaceWindow>,
-    store: &dyn PatchStore,
-) -> Result<(BrightnessMap, PlaceValues), AppError> {
-    let map = prepared.find(&OfWindow { store, window })?;
-    let part = part_within(map.places(), window)?;
-    Ok((map, part))
-}
-
-/// The part of a map that is wanted; all of it where no window says which.
-///
-/// # Errors
-/// [`AppError::Internal`] for a window beyond the map.
-pub fn part_within(places: &PlaceValues, window: Option<&PlaceWindow>) -> Result<PlaceValues, AppError> {
-    let part = window.map_or_else(|| Some(places.clone()), |window| places.part(window));
-    part.ok_or_else(|| AppError::internal("a window beyond its map"))
-}
-
-/// A store of patches, of which only those with places of a window are found.
-struct OfWindow<'a> {
-    store: &'a dyn PatchStore,
-    window: Option<&'a PlaceWindow>,
-}
-
-impl PatchStore for OfWindow<'_> {
-    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
-        self.store.load(patch, count)
+/// [`AppError::Parameters`] where there are more than [`MAX_MAP_PLACES`].
+pub fn check_part(places: usize) -> Result<(), AppError> {
+    if places <= MAX_MAP_PLACES as usize {
+        return Ok(());
     }
+    Err(AppError::parameter(
+        "bounds",
+        format!("{places} places"),
+        format!("{MAX_MAP_PLACES} places at most"),
+        "that is too much for one time: make the map part by part, or of fewer places".to_owned(),
+        ValidationCode::OutOfRange,
+    ))
+}
 
-    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
-        self.store.store(patch, sums, progress)
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    fn wants(&self, places: &PlaceWindow) -> bool {
-        self.window.is_none_or(|window| window.overlaps(places)) && self.store.wants(places)
+    /// What is too much for one time is refused, and the words say what to do.
+    #[test]
+    fn a_part_has_an_end() {
+        check_part(MAX_MAP_PLACES as usize).unwrap();
+        let refused = check_part(86_400 * 33_600).unwrap_err().detail();
+        assert!(
+            refused.contains("bounds=2903040000 places") && refused.contains("part by part"),
+            "{refused}"
+        );
     }
 }

@@ -16,8 +16,8 @@ use skyglow_observatory::{
 };
 use skyglow_render::{EngineStats, LeftOutPack, PackKind, ResidentKind, celestial::CelestialTables};
 use skyglow_scene::{
-    Account, ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, Posting, Scenario,
-    SceneError, SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
+    Account, ChangeId, ChangeStoreError, IngestOptions, Owner, Page, PatchStore, PlaceWindow, Posting,
+    Scenario, SceneError, SceneId, SceneMetadata, StoredPlan, UploadFolder, Viewer, available_bytes,
 };
 use skyglow_tables::{Clouds, Manifest};
 use std::sync::Arc;
@@ -245,6 +245,20 @@ impl SkySource for ObservatorySource {
         view: &SceneView,
     ) -> Result<PreparedBrightness, AppError> {
         Ok(self.observatory.prepare_brightness(view, request)?)
+    }
+
+    fn brightness_part(
+        &self,
+        prepared: &PreparedBrightness,
+        window: Option<&PlaceWindow>,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, AppError> {
+        let lattice = prepared.lattice();
+        let is_within = |window: &PlaceWindow| window.pieces(lattice).iter().all(|it| it.is_within(lattice));
+        if !window.is_none_or(is_within) {
+            return Err(AppError::internal("a window beyond its map"));
+        }
+        Ok(prepared.find(&self.observatory, window, store)?)
     }
 
     fn darker(

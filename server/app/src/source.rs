@@ -15,8 +15,8 @@ use skyglow_observatory::{
 use skyglow_physics::GeoPoint;
 use skyglow_render::EngineStats;
 use skyglow_scene::{
-    Account, ChangeId, IngestOptions, NamedPlace, Owner, Page, PatchStore, Posting, RasterTile, Scenario,
-    SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder, Viewer,
+    Account, ChangeId, IngestOptions, NamedPlace, Owner, Page, PatchStore, PlaceWindow, Posting, RasterTile,
+    Scenario, SceneId, SceneMetadata, StoredPlan, TileLayer, UploadFolder, Viewer,
 };
 use std::{future::Future, pin::Pin, sync::Arc};
 
@@ -149,6 +149,21 @@ pub trait SkySource: Send + Sync + 'static {
         _request: &BrightnessRequest,
         _view: &SceneView,
     ) -> Result<PreparedBrightness, AppError> {
+        Err(AppError::internal("this program finds no parts of maps"))
+    }
+    /// A part of a map, with the numbers of the whole map there, bit for bit.
+    ///
+    /// * `window`: None for all places.
+    /// * `store`: as in [`Self::brightness`].
+    ///
+    /// # Errors
+    /// [`AppError::EngineDown`] where the store cancelled it; [`AppError::Internal`] for a window beyond the map.
+    fn brightness_part(
+        &self,
+        _prepared: &PreparedBrightness,
+        _window: Option<&PlaceWindow>,
+        _store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, AppError> {
         Err(AppError::internal("this program finds no parts of maps"))
     }
     /// Finds darker places near a place; takes tenths of a second of all cores. `watch` as in [`Self::influence`].

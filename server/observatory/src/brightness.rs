@@ -2,6 +2,7 @@
 
 use crate::{
     brightness_request::{BrightnessRequest, EYE_HEIGHT_M, MapLight},
+    coarse_places::MAX_WHOLE_PLACES,
     error::ObservatoryError,
     map_measure::MapMeasure,
     natural_places::NaturalPlaces,
@@ -13,7 +14,9 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_physics::{GeoPoint, Response};
 use skyglow_render::RenderError;
-use skyglow_scene::{PatchStore, PlaceLattice, PlaceValues, RasterTile, Scene, SceneMetadata, SumWay};
+use skyglow_scene::{
+    Observers, PatchStore, PlaceLattice, PlaceValues, PlaceWindow, RasterTile, Scene, SceneMetadata, SumWay,
+};
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -22,7 +25,8 @@ use std::{
 /// Most places of a map: more pixels share one by blocks.
 pub const MAX_PLACES: usize = 1_200_000;
 
-/// What the response of a request sees of its light, by the request's measure and in its unit, at places all over a scene.
+/// What the response of a request sees of its light, by the request's measure and in its unit, at places all over a scene or in a part
+/// of it.
 #[derive(Clone, Debug)]
 pub struct BrightnessMap {
     scene: Arc<Scene>,
@@ -51,6 +55,11 @@ impl BrightnessMap {
     /// What is seen at the places, in the unit of [`Self::unit`]; NaN where the ground is higher than the packs reach.
     pub fn places(&self) -> &PlaceValues {
         &self.places
+    }
+
+    /// The same without the map.
+    pub fn into_places(self) -> PlaceValues {
+        self.places
     }
 
     /// The unit of its numbers, in ASCII.
@@ -127,7 +136,7 @@ impl Observatory {
     ) -> Result<BrightnessMap, ObservatoryError> {
         on_own_threads(|| {
             let prepared = self.prepare(view, request, way)?;
-            prepared.find_here(store)
+            prepared.find_here(self, None, store)
         })
     }
 
@@ -152,35 +161,43 @@ impl Observatory {
         let mut clock = Clock::new(Vec::new());
         let scene = Arc::clone(view.scene());
         let lattice = scene.place_lattice(request.max_places);
-        let altitudes_m: Vec<f32> =
-            scene.ground_altitudes_m(lattice).into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
+        let observers_m = self.eye_range_m(&scene, lattice);
         clock.step("ground");
-        let places = (lattice, &altitudes_m[..]);
-        let kernels = self.kernels(&scene, request, places, way, &mut |name| clock.step(name))?;
-        let slopes = match request.measure {
-            MapMeasure::Slope if request.terrain_hides && scene.metadata().terrain => {
-                let slopes = SlopeLight::new(self, &scene, request, places)?;
-                clock.step("low sky");
-                Some(slopes)
-            }
-            _ => None,
-        };
-        let natural = NaturalPlaces::new(self, &scene, request, places)?;
-        if natural.is_some() {
-            clock.step("natural sky");
-        }
+        let kernels =
+            self.kernels(&scene, request, (lattice, observers_m), way, &mut |name| clock.step(name))?;
         Ok(PreparedBrightness {
             scene,
             lattice,
-            altitudes_m,
+            observers_m,
             kernels,
-            slopes,
-            natural,
-            measure: request.measure,
-            light: request.light,
-            response: request.response.clone(),
+            request: request.clone(),
             steps: clock.steps,
         })
+    }
+
+    /// Lowest and highest altitude of an eye over the places of a lattice, metres; None where nobody can be. Of a lattice too large to
+    /// be looked at as a whole those that there can be, so that no part of a map depends on which part it is.
+    fn eye_range_m(&self, scene: &Scene, lattice: PlaceLattice) -> Option<[f32; 2]> {
+        if lattice.len() <= MAX_WHOLE_PLACES {
+            return self.observers(scene, lattice, lattice.whole()).altitude_range_m();
+        }
+        let lowest_m = self.eye_m(0.0);
+        let [_, highest_m] = self.engine.info().altitude_range_m;
+        let highest_m = if scene.metadata().terrain { highest_m as f32 } else { lowest_m };
+        lowest_m.is_finite().then_some([lowest_m, highest_m])
+    }
+
+    /// Eyes at the places of a window.
+    fn observers(&self, scene: &Scene, lattice: PlaceLattice, window: PlaceWindow) -> Observers {
+        let ground_m = scene.ground_altitudes_m(lattice.part(&window));
+        let altitudes_m = ground_m.into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
+        Observers { lattice, window, altitudes_m }
+    }
+
+    /// Altitude of an eye at a place of a lattice, metres; NaN where nobody can be.
+    pub(crate) fn eye_at(&self, scene: &Scene, lattice: PlaceLattice, [column, row]: [u32; 2]) -> f32 {
+        let place = PlaceWindow { columns: column..column + 1, rows: row..row + 1 };
+        self.observers(scene, lattice, place).altitudes_m.first().copied().unwrap_or(f32::NAN)
     }
 
     /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
@@ -192,7 +209,7 @@ impl Observatory {
 
     /// What is seen under an open sky at the places of a lattice; NaN where the altitude is.
     ///
-    /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    /// * `observers`: at all of its places.
     ///
     /// # Errors
     /// As [`Self::brightness_in`].
@@ -200,84 +217,159 @@ impl Observatory {
         &self,
         scene: &Scene,
         request: &BrightnessRequest,
-        places: (PlaceLattice, &[f32]),
+        observers: &Observers,
         store: &dyn PatchStore,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Vec<f32>, ObservatoryError> {
-        let sums = self.kernels(scene, request, places, None, step)?.sums(scene, places, store, step)?;
+        let range = (observers.lattice, observers.altitude_range_m());
+        let sums = self.kernels(scene, request, range, None, step)?.sums(scene, observers, store, step)?;
         Ok(under_open_sky(request.measure, &sums))
     }
 }
 
-/// A map of which any part can be found: what the parts have in common.
+/// A map of which any part can be found: what the parts have in common. It takes as little memory for a planet as for a town.
 #[derive(Debug)]
 pub struct PreparedBrightness {
     scene: Arc<Scene>,
     lattice: PlaceLattice,
-    /// Of the eye at every place, metres.
-    altitudes_m: Vec<f32>,
+    /// Lowest and highest altitude of the eye over all of the lattice, metres; None where nobody can be.
+    observers_m: Option<[f32; 2]>,
     kernels: Kernels,
-    /// Of maps of sloping ground where there is terrain.
-    slopes: Option<SlopeLight>,
-    natural: Option<NaturalPlaces>,
-    measure: MapMeasure,
-    light: MapLight,
-    response: Response,
+    request: BrightnessRequest,
     steps: Vec<(&'static str, Duration)>,
 }
 
 impl PreparedBrightness {
-    /// The map, as far as `store` wants it; as [`Observatory::brightness_in`].
+    /// A part of the map; as [`Observatory::brightness_in`].
+    ///
+    /// * `observatory`: that prepared it.
+    /// * `window`: which places, of its lattice; None for all.
     ///
     /// # Errors
-    /// [`RenderError::Ended`] where the store cancelled it.
-    pub fn find(&self, store: &dyn PatchStore) -> Result<BrightnessMap, ObservatoryError> {
-        on_own_threads(|| self.find_here(store))
+    /// As [`Observatory::brightness_in`].
+    pub fn find(
+        &self,
+        observatory: &Observatory,
+        window: Option<&PlaceWindow>,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
+        on_own_threads(|| self.find_here(observatory, window, store))
     }
 
-    /// Its places.
+    /// The places of the whole map.
     pub fn lattice(&self) -> PlaceLattice {
         self.lattice
     }
 
-    fn find_here(&self, store: &dyn PatchStore) -> Result<BrightnessMap, ObservatoryError> {
+    fn find_here(
+        &self,
+        observatory: &Observatory,
+        window: Option<&PlaceWindow>,
+        store: &dyn PatchStore,
+    ) -> Result<BrightnessMap, ObservatoryError> {
         let mut clock = Clock::new(self.steps.clone());
-        let places = (self.lattice, &self.altitudes_m[..]);
-        let mut sums = self.kernels.sums(&self.scene, places, store, &mut |name| clock.step(name))?;
-        let values = match &self.slopes {
-            None => {
-                self.add_natural(&mut sums);
-                under_open_sky(self.measure, &sums)
-            }
-            Some(slopes) => {
-                let values = slopes.values(&self.scene, places, &sums, self.natural.as_ref());
-                clock.step("horizons");
-                values
-            }
-        };
+        let window = window.cloned().unwrap_or_else(|| self.lattice.whole());
+        let found: Result<Vec<Vec<f32>>, ObservatoryError> = (window.pieces(self.lattice).into_iter())
+            .map(|piece| self.values(observatory, piece, store, &mut clock))
+            .collect();
+        let values = side_by_side(found?, window.rows.len());
+        let places = PlaceValues::new(self.lattice.part(&window), values).ok_or(RenderError::Ended)?;
         Ok(BrightnessMap {
             scene: Arc::clone(&self.scene),
-            places: PlaceValues::new(self.lattice, values).ok_or(RenderError::Ended)?,
-            measure: self.measure,
-            light: self.light,
-            response: self.response.clone(),
+            places,
+            measure: self.request.measure,
+            light: self.request.light,
+            response: self.request.response.clone(),
             steps: clock.steps,
         })
     }
 
-    /// Adds the natural sky to sums under an open sky.
-    fn add_natural(&self, sums: &mut [Vec<f32>]) {
-        let Some(natural) = &self.natural else { return };
-        let columns = self.lattice.columns as usize;
-        let at = |index: usize| [(index % columns) as u32, (index / columns) as u32];
-        let of_places: Vec<Vec<f64>> = (self.altitudes_m.par_iter().enumerate())
-            .map(|(index, eye_m)| natural.sums_at(at(index), f64::from(*eye_m)))
-            .collect();
-        for (number, sums) in sums.iter_mut().enumerate() {
-            for (sum, of_place) in sums.iter_mut().zip(&of_places) {
-                *sum += of_place.get(number).copied().unwrap_or_default() as f32;
-            }
+    /// The values at the places of a window without columns beyond the last.
+    fn values(
+        &self,
+        observatory: &Observatory,
+        window: PlaceWindow,
+        store: &dyn PatchStore,
+        clock: &mut Clock,
+    ) -> Result<Vec<f32>, ObservatoryError> {
+        let Self { scene, lattice, request, .. } = self;
+        let summed = scene.summed_window(*lattice, &window, self.kernels.way());
+        let observers = observatory.observers(scene, *lattice, summed);
+        clock.step("ground");
+        let wanted = OfWindow { store, window: &window };
+        let sums = self.kernels.sums(scene, &observers, &wanted, &mut |name| clock.step(name))?;
+        let mut sums: Vec<Vec<f32>> =
+            sums.into_iter().map(|sums| window.cut(sums, &observers.window)).collect();
+        let altitudes_m = window.cut(observers.altitudes_m, &observers.window);
+        let observers = Observers { lattice: *lattice, window, altitudes_m };
+        let places = (*lattice, &observers.window);
+        let natural = NaturalPlaces::new(observatory, scene, request, places, self.observers_m)?;
+        if natural.is_some() {
+            clock.step("natural sky");
         }
+        Ok(match request.measure {
+            MapMeasure::Slope if request.terrain_hides && scene.metadata().terrain => {
+                let slopes = SlopeLight::new(observatory, scene, request, places)?;
+                clock.step("low sky");
+                let values = slopes.values(scene, &observers, &sums, natural.as_ref());
+                clock.step("horizons");
+                values
+            }
+            measure => {
+                if let Some(natural) = &natural {
+                    add_natural(natural, &observers, &mut sums);
+                }
+                under_open_sky(measure, &sums)
+            }
+        })
+    }
+}
+
+/// Rows of values of windows that lie side by side, as those of one.
+fn side_by_side(mut pieces: Vec<Vec<f32>>, rows: usize) -> Vec<f32> {
+    match pieces.len() {
+        1 => pieces.swap_remove(0),
+        _ => {
+            let row = |piece: &Vec<f32>, row: usize| {
+                let across = piece.len() / rows;
+                piece[row * across..(row + 1) * across].to_vec()
+            };
+            (0..rows)
+                .flat_map(|at| pieces.iter().flat_map(move |piece| row(piece, at)).collect::<Vec<f32>>())
+                .collect()
+        }
+    }
+}
+
+/// Adds the natural sky to sums under an open sky.
+fn add_natural(natural: &NaturalPlaces, observers: &Observers, sums: &mut [Vec<f32>]) {
+    let of_places: Vec<Vec<f64>> = (observers.altitudes_m.par_iter().enumerate())
+        .map(|(index, eye_m)| natural.sums_at(observers.window.place(index), f64::from(*eye_m)))
+        .collect();
+    for (number, sums) in sums.iter_mut().enumerate() {
+        for (sum, of_place) in sums.iter_mut().zip(&of_places) {
+            *sum += of_place.get(number).copied().unwrap_or_default() as f32;
+        }
+    }
+}
+
+/// A store of patches, of which only those with places of a window are found.
+struct OfWindow<'a> {
+    store: &'a dyn PatchStore,
+    window: &'a PlaceWindow,
+}
+
+impl PatchStore for OfWindow<'_> {
+    fn load(&self, patch: u64, count: usize) -> Option<Vec<f32>> {
+        self.store.load(patch, count)
+    }
+
+    fn store(&self, patch: u64, sums: &[f32], progress: f64) -> bool {
+        self.store.store(patch, sums, progress)
+    }
+
+    fn wants(&self, places: &PlaceWindow) -> bool {
+        self.window.overlaps(places) && self.store.wants(places)
     }
 }
 

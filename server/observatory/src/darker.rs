@@ -7,7 +7,7 @@ use crate::{
 };
 use rayon::prelude::*;
 use skyglow_physics::{GeoPoint, geometry::LocalFrame};
-use skyglow_scene::{Ground, PlaceLattice, Scene};
+use skyglow_scene::{Ground, Observers, PlaceLattice, Scene};
 use std::time::{Duration, Instant};
 
 /// Places along the radius of the circle that is looked at.
@@ -123,7 +123,13 @@ impl Observatory {
         let altitudes_m: Vec<f32> = candidates.iter().map(eye_m).collect();
         step("ground");
         let note = |done: f64| watch(done);
-        let sums = self.seen_at(scene, &request.brightness, (lattice, &altitudes_m), &note, &mut step)?;
+        let sums = self.seen_at(
+            scene,
+            &request.brightness,
+            &Observers::everywhere(lattice, altitudes_m),
+            &note,
+            &mut step,
+        )?;
         for (candidate, value) in candidates.iter_mut().zip(sums) {
             if let Some(candidate) = candidate {
                 candidate.value = value;

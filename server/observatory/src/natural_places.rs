@@ -3,7 +3,7 @@
 
 use crate::{
     brightness_request::{BrightnessRequest, MapLight},
-    coarse_places::CoarsePlaces,
+    coarse_places::{self, CoarsePlaces},
     error::ObservatoryError,
     map_measure::{MapMeasure, Sum, Table},
     night_sky::{NightSky, Overhead, SkyTime, dark_sky},
@@ -17,10 +17,10 @@ use skyglow_physics::{
     panorama::{azimuth_rad, cos_sr, solid_angle_sr},
 };
 use skyglow_render::celestial::CelestialTables;
-use skyglow_scene::{AzimuthFactor, PlaceLattice, Scene, UniformAxis};
+use skyglow_scene::{AzimuthFactor, PlaceLattice, PlaceWindow, Scene, UniformAxis};
 use std::f64::consts::PI;
 
-/// Skies of an instant at most, about: the natural sky changes over hundreds of kilometres and kilometres of altitude.
+/// Skies of an instant at most, about, over a map known as a whole: the natural sky changes over hundreds of kilometres and kilometres of altitude.
 const MAX_SKIES: usize = 144;
 /// Step of altitudes at which the dark reference is found, metres.
 const DARK_STEP_M: f64 = 500.0;
@@ -62,7 +62,9 @@ pub(crate) struct NaturalAt<'a> {
 }
 
 impl NaturalPlaces {
-    /// For the places of a lattice; None where artificial light alone is asked for.
+    /// For the places of a window; None where artificial light alone is asked for.
+    ///
+    /// * `observers_m`: lowest and highest altitude of the eye over all of the lattice, metres; None where nobody can be.
     ///
     /// # Errors
     /// [`ObservatoryError::NoCelestialTables`] for an instant.
@@ -70,14 +72,14 @@ impl NaturalPlaces {
         observatory: &Observatory,
         scene: &Scene,
         request: &BrightnessRequest,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        (lattice, window): (PlaceLattice, &PlaceWindow),
+        observers_m: Option<[f32; 2]>,
     ) -> Result<Option<Self>, ObservatoryError> {
         let MapLight::Total(time) = request.light else { return Ok(None) };
         let tables = observatory.celestial_tables();
         let Some(time) = time else {
-            let finite = || altitudes_m.iter().filter(|m| m.is_finite()).map(|m| f64::from(*m));
-            let (lowest_m, highest_m) = (finite().fold(f64::MAX, f64::min), finite().fold(0.0, f64::max));
-            let altitudes = UniformAxis::between(lowest_m.min(highest_m), highest_m, DARK_STEP_M, usize::MAX);
+            let [lowest_m, highest_m] = observers_m.unwrap_or_default().map(f64::from);
+            let altitudes = UniformAxis::between(lowest_m, highest_m, DARK_STEP_M, usize::MAX);
             let value = |node: usize| {
                 dark_sky(tables, request.turbidity, altitudes.node_m(node)).value(&request.response)
             };
@@ -87,8 +89,9 @@ impl NaturalPlaces {
             return Ok(Some(Self::Even { altitudes, values, one }));
         };
         let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
-        let skies = CoarsePlaces::new(lattice, MAX_SKIES, |column, row| {
-            let altitude_m = f64::from(altitudes_m[lattice.index(column, row)]);
+        let stride = coarse_places::stride(scene, lattice, MAX_SKIES);
+        let skies = CoarsePlaces::new(lattice, window, stride, |column, row| {
+            let altitude_m = f64::from(observatory.eye_at(scene, lattice, [column, row]));
             match altitude_m.is_finite() {
                 true => {
                     let place = scene.lattice_place(lattice, column, row);

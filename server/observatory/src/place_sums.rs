@@ -10,7 +10,9 @@ use crate::{
 };
 use skyglow_physics::{BAND_COUNT, Fixture, GeoPoint, Horizon, Turbidity};
 use skyglow_render::{RenderError, prepare::Prepared, request::RenderRequest};
-use skyglow_scene::{PatchStore, PlaceKernel, PlaceLattice, PlaceWindow, PolarGrid, Scene, SumWay};
+use skyglow_scene::{
+    Observers, PatchStore, PlaceKernel, PlaceLattice, PlaceWindow, PolarGrid, Scene, SumWay,
+};
 use std::sync::Arc;
 
 /// What each light does to places, by the packs around the turbidity, and how lights are summed.
@@ -27,13 +29,15 @@ pub(crate) struct Kernels {
 impl Observatory {
     /// What the packs say each light does to places of a lattice.
     ///
+    /// * `observers_m`: lowest and highest altitude of the eye over all of it, metres; None where nobody can be.
+    ///
     /// # Errors
     /// As [`Observatory::brightness_in`].
     pub(crate) fn kernels(
         &self,
         scene: &Scene,
         request: &BrightnessRequest,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        (lattice, observers_m): (PlaceLattice, Option<[f32; 2]>),
         way: Option<SumWay>,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Kernels, ObservatoryError> {
@@ -50,10 +54,6 @@ impl Observatory {
         };
         let set = self.engine.table_set();
         let stencil = Prepared::new(&to_render(request.turbidity), &set)?.turbidity_stencil;
-        let observers_m = altitudes_m.iter().filter(|m| !m.is_nan()).fold(None, |range, &altitude_m| {
-            let [lowest, highest]: [f32; 2] = range.unwrap_or([altitude_m; 2]);
-            Some([lowest.min(altitude_m), highest.max(altitude_m)])
-        });
         let hides = request.terrain_hides && self.hides_lights(request.kind());
         let way = way.unwrap_or_else(|| scene.way_to_sum(lattice));
         let sums = request.measure.sums();
@@ -130,16 +130,21 @@ impl Seen<'_> {
 }
 
 impl Kernels {
-    /// The sums at the places of a lattice, one after the other; NaN where the altitude is.
+    /// How lights are summed.
+    pub(crate) fn way(&self) -> SumWay {
+        self.way
+    }
+
+    /// The sums at some places, one after the other; NaN where the altitude is, and where the store does not want them.
     ///
-    /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    /// * `observers`: in a window as of [`Scene::summed_window`].
     ///
     /// # Errors
     /// [`RenderError::Ended`] where the store cancelled it.
     pub(crate) fn sums(
         &self,
         scene: &Scene,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        observers: &Observers,
         store: &dyn PatchStore,
         step: &mut dyn FnMut(&'static str),
     ) -> Result<Vec<Vec<f32>>, ObservatoryError> {
@@ -149,14 +154,17 @@ impl Kernels {
             let mut of_pack = Vec::new();
             for (sum, kernels) in of_sums.iter().enumerate() {
                 let part = OfPart { store, part: pack * self.sum_count + sum, parts };
-                let sums = scene.sum_at_places(lattice, altitudes_m, kernels, self.hides, self.way, &part);
+                let sums = scene.sum_at_places(observers, kernels, self.hides, self.way, &part);
                 of_pack.push(sums.ok_or(RenderError::Ended)?);
                 step("sums");
             }
             of_packs.push(of_pack);
         }
         Ok(match of_packs.len() {
-            0 => vec![altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect(); self.sum_count],
+            0 => vec![
+                observers.altitudes_m.iter().map(|altitude_m| altitude_m * 0.0).collect();
+                self.sum_count
+            ],
             1 => of_packs.swap_remove(0),
             _ => blended(&of_packs, &self.weights),
         })

@@ -7,7 +7,7 @@
 
 use crate::{
     brightness_request::{BrightnessRequest, EYE_HEIGHT_M},
-    coarse_places::CoarsePlaces,
+    coarse_places::{self, CoarsePlaces},
     error::ObservatoryError,
     natural_places::NaturalPlaces,
     observatory::Observatory,
@@ -18,9 +18,9 @@ use crate::{
 use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::{GeoPoint, SeenSky, SkyPart, panorama::azimuth_rad};
-use skyglow_scene::{PlaceLattice, Scene};
+use skyglow_scene::{Observers, PlaceLattice, PlaceWindow, Scene};
 
-/// Panoramas at most, about.
+/// Panoramas at most, about, of a map known as a whole.
 const MAX_PANORAMAS: usize = 1_000;
 
 /// The low sky over places, from that of some of them.
@@ -71,7 +71,7 @@ fn side(normal: DVec3, azimuth_rad: f64) -> f64 {
 }
 
 impl SlopeLight {
-    /// For the places of a lattice. Takes milliseconds of all cores for each panorama.
+    /// For the places of a window. Takes milliseconds of all cores for each panorama.
     ///
     /// # Errors
     /// As [`Observatory::sky`].
@@ -79,10 +79,11 @@ impl SlopeLight {
         observatory: &Observatory,
         scene: &Scene,
         request: &BrightnessRequest,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        (lattice, window): (PlaceLattice, &PlaceWindow),
     ) -> Result<Self, ObservatoryError> {
-        let skies = CoarsePlaces::new(lattice, MAX_PANORAMAS, |column, row| {
-            match altitudes_m[lattice.index(column, row)].is_finite() {
+        let stride = coarse_places::stride(scene, lattice, MAX_PANORAMAS);
+        let skies = CoarsePlaces::new(lattice, window, stride, |column, row| {
+            match observatory.eye_at(scene, lattice, [column, row]).is_finite() {
                 true => sky_below(observatory, scene, request, scene.lattice_place(lattice, column, row)),
                 false => Ok(None),
             }
@@ -96,25 +97,26 @@ impl SlopeLight {
 
     /// What the ground receives at every place; NaN where the sums are.
     ///
-    /// * `places`: a lattice, and the altitude of the eye at each of its places, metres.
+    /// * `observers`: at places of the window.
     /// * `sums`: the vector irradiance of the open sky there: its part upwards, eastwards and northwards.
     /// * `natural`: what else lights the ground.
     pub(crate) fn values(
         &self,
         scene: &Scene,
-        (lattice, altitudes_m): (PlaceLattice, &[f32]),
+        observers: &Observers,
         sums: &[Vec<f32>],
         natural: Option<&NaturalPlaces>,
     ) -> Vec<f32> {
-        let [up, east, north] = sums else { return vec![f32::NAN; lattice.len()] };
+        let [up, east, north] = sums else { return vec![f32::NAN; observers.altitudes_m.len()] };
+        let Observers { lattice, window, altitudes_m } = observers;
         let of_place = |index: usize| {
             let irradiance = [up[index], east[index], north[index]].map(f64::from);
             let is_dark = irradiance[0] <= 0.0 && natural.is_none();
             if is_dark || !irradiance.iter().all(|part| part.is_finite()) {
                 return up[index];
             }
-            let at = [index as u32 % lattice.columns, index as u32 / lattice.columns];
-            let (place, eye_m) = (scene.lattice_place(lattice, at[0], at[1]), f64::from(altitudes_m[index]));
+            let at = window.place(index);
+            let (place, eye_m) = (scene.lattice_place(*lattice, at[0], at[1]), f64::from(altitudes_m[index]));
             let normal = scene.slope(place).normal();
             // Where the slope rises its own plane hides the sky too.
             let sights = self
@@ -135,7 +137,7 @@ impl SlopeLight {
             });
             (artificial + natural) as f32
         };
-        (0..lattice.len()).into_par_iter().map(of_place).collect()
+        (0..altitudes_m.len()).into_par_iter().map(of_place).collect()
     }
 }
 

@@ -73,7 +73,7 @@ pub use changes::{
     StoreAway, StoredObject, StoredPlan, Viewer,
 };
 pub use demo::{DEMO_ID, create_demo, demo_is_wanted};
-pub use dual_tree::{PatchStore, PlaceLattice, PlaceValues, PlaceWindow};
+pub use dual_tree::{Observers, PatchStore, PlaceLattice, PlaceValues, PlaceWindow};
 pub use error::SceneError;
 pub use gazetteer::{GAZETTEER_CREDIT, Gazetteer, WorldPlace};
 pub use geotiff::{RasterError, RasterMetadata};

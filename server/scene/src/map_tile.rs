@@ -135,7 +135,10 @@ impl SampledRasters<'_> {
     /// without data.
     pub(crate) fn at_places(&self, layer: TileLayer, lattice: PlaceLattice) -> Option<PlaceValues> {
         let level = lattice.step.trailing_zeros();
+        let [left, top] = lattice.first_block();
+        let around = (self.grid.width / lattice.step).max(1);
         let radiance = |column: u32, row: u32| {
+            let (column, row) = ((left + column) % around, top + row);
             let valid = self.mask.valid_in_block(level, column, row);
             if valid > 0 {
                 (self.radiance_sum(level, column, row) / f64::from(valid)) as f32

@@ -9,8 +9,8 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_physics::source_pixel::{MAX_SOURCE_DISTANCE_M, point_sources};
 use skyglow_scene::{
-    Area, AzimuthFactor, Change, ChangeStep, Edit, PlaceKernel, PlaceLattice, RING_COUNT, Scene, SumWay,
-    UniformAxis, ring_distance_m,
+    Area, AzimuthFactor, Change, ChangeStep, Edit, Observers, PlaceKernel, PlaceLattice, RING_COUNT, Scene,
+    SumWay, UniformAxis, ring_distance_m,
 };
 
 /// About what a light does to the zenith: falls ever faster with distance, less from above and behind a skyline.
@@ -76,11 +76,15 @@ fn sums(scene: &Scene, lattice: PlaceLattice, hides: bool) -> (Vec<f32>, Vec<f32
 }
 
 fn sums_by(way: SumWay, scene: &Scene, lattice: PlaceLattice, hides: bool) -> (Vec<f32>, Vec<f32>) {
-    let altitudes_m: Vec<f32> =
-        scene.ground_altitudes_m(lattice).iter().map(|ground_m| ground_m + 2.0).collect();
     let kernels: Vec<PlaceKernel> = scene.fixtures().iter().map(|_| kernel(hides)).collect();
-    let sums = scene.sum_at_places(lattice, &altitudes_m, &kernels, hides, way, &|_: f64| true).unwrap();
-    (sums, altitudes_m)
+    let observers = everywhere(scene, lattice);
+    let sums = scene.sum_at_places(&observers, &kernels, hides, way, &|_: f64| true).unwrap();
+    (sums, observers.altitudes_m)
+}
+
+fn everywhere(scene: &Scene, lattice: PlaceLattice) -> Observers {
+    let ground_m = scene.ground_altitudes_m(lattice);
+    Observers::everywhere(lattice, ground_m.iter().map(|ground_m| ground_m + 2.0).collect())
 }
 
 /// Relative errors at places of a lattice, ascending.
@@ -145,20 +149,18 @@ fn waves_match_direct_sums() {
         raster.geotransform = [west, STEP, 0.0, north, 0.0, -STEP];
         let scene = TestStore::new().scene(&raster);
         let lattice = scene.place_lattice(usize::MAX);
-        let altitudes_m: Vec<f32> =
-            scene.ground_altitudes_m(lattice).iter().map(|ground_m| ground_m + 2.0).collect();
+        let observers = everywhere(&scene, lattice);
         for (order, to_north, to_east) in [(1u8, 1.0f32, 0.0f32), (1, 0.0, 1.0), (2, 1.0, 0.0), (2, 0.0, 1.0)]
         {
             let factor = AzimuthFactor::Wave { order, north: to_north, east: to_east };
             let kernels = [PlaceKernel::of_waves([(&kernel(false), factor)]).unwrap()];
-            let sum = |way| {
-                scene.sum_at_places(lattice, &altitudes_m, &kernels, false, way, &|_: f64| true).unwrap()
-            };
+            let sum = |way| scene.sum_at_places(&observers, &kernels, false, way, &|_: f64| true).unwrap();
             let ways = [sum(SumWay::DualTree), sum(SumWay::Convolution)];
             let mut largest = 0f64;
             for at in (0..lattice.len()).step_by(3_989) {
                 let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
-                let (place, altitude_m) = (scene.pixel_center(column, row), f64::from(altitudes_m[at]));
+                let (place, altitude_m) =
+                    (scene.pixel_center(column, row), f64::from(observers.altitudes_m[at]));
                 let pixels = scene.source_pixels_within(place, MAX_SOURCE_DISTANCE_M);
                 let [mut even, mut wave] = [0.0; 2];
                 for source in point_sources(place, &pixels) {
@@ -276,15 +278,11 @@ fn coarse_lattices_sum_at_block_centres() {
     // Nobody can be where there is no altitude.
     let mut nowhere = altitudes_m.clone();
     nowhere[75 * 20..75 * 30].fill(f32::NAN);
-    let parts = scene
-        .sum_at_places(lattice, &nowhere, &[kernel(false)], false, SumWay::DualTree, &|_: f64| true)
-        .unwrap();
+    let (observers, tree) = (Observers::everywhere(lattice, nowhere.clone()), SumWay::DualTree);
+    let parts = scene.sum_at_places(&observers, &[kernel(false)], false, tree, &|_: f64| true).unwrap();
     assert!(nowhere.iter().zip(&parts).all(|(altitude_m, sum)| altitude_m.is_nan() == sum.is_nan()));
-    assert!(
-        scene
-            .sum_at_places(lattice, &altitudes_m, &[kernel(false)], false, SumWay::DualTree, &|_: f64| false)
-            .is_none()
-    );
+    let observers = Observers::everywhere(lattice, altitudes_m);
+    assert!(scene.sum_at_places(&observers, &[kernel(false)], false, tree, &|_: f64| false).is_none());
     let edit = Edit {
         area: Area::Polygons(vec![vec![vec![
             [36.0, -3.0],
@@ -297,8 +295,7 @@ fn coarse_lattices_sum_at_block_centres() {
     };
     let (dark, _) = scene.changed(&[ChangeStep::Painted(vec![edit])], "dark").unwrap();
     let kernels: Vec<PlaceKernel> = dark.fixtures().iter().map(|_| kernel(false)).collect();
-    let sums =
-        dark.sum_at_places(lattice, &altitudes_m, &kernels, false, SumWay::DualTree, &|_: f64| true).unwrap();
+    let sums = dark.sum_at_places(&observers, &kernels, false, tree, &|_: f64| true).unwrap();
     assert!(sums.iter().all(|sum| *sum == 0.0));
 }
 

@@ -8,8 +8,8 @@ use common::{STEP, TestRaster, TestStore, place};
 use skyglow_physics::GeoPoint;
 use skyglow_physics::blocking::BLOCKING_COUNT;
 use skyglow_scene::{
-    Area, Change, ChangeStep, Edit, PatchStore, PlaceKernel, PlaceWindow, Prepared, RING_COUNT, Scene,
-    SceneError, SkylineTime, SumWay, UniformAxis, ring_distance_m,
+    Area, Change, ChangeStep, Edit, Observers, PatchStore, PlaceKernel, PlaceWindow, Prepared, RING_COUNT,
+    Scene, SceneError, SkylineTime, SumWay, UniformAxis, ring_distance_m,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -146,9 +146,9 @@ fn tiles_serve_sums_at_places() {
     let (whole_store, store) = (TestStore::new(), TestStore::new());
     let (whole, tiled) = (scene(&whole_store, SkylineTime::Ingest), scene(&store, SkylineTime::Need));
     let lattice = whole.place_lattice(20_000);
-    let altitudes_m = whole.ground_altitudes_m(lattice);
+    let observers = Observers::everywhere(lattice, whole.ground_altitudes_m(lattice));
     let bits = |scene: &Scene, way: SumWay, store: &dyn PatchStore| -> Vec<u32> {
-        let sums = scene.sum_at_places(lattice, &altitudes_m, &[kernel()], true, way, store).unwrap();
+        let sums = scene.sum_at_places(&observers, &[kernel()], true, way, store).unwrap();
         sums.into_iter().map(f32::to_bits).collect()
     };
     for way in [SumWay::DualTree, SumWay::Convolution] {

@@ -330,13 +330,16 @@ fn a_part_of_a_map_is_cut_out_of_the_whole() {
     let program = ["--scene", "demo", "--data", text(&data), "--packs", text(&packs), "--device", "cpu"];
     let map = |layer: &str, name: &str, more: &[&str]| {
         let path = ground.folder.join(format!("{layer}-{name}"));
-        let asked = ["atlas", "--layer", layer, "--places", "300000", "-o", text(&path)];
+        let asked = ["atlas", "--layer", layer, "-o", text(&path)];
         skyglow(&[&asked[..], &program[..], more].concat()).expect_status(0);
         raster(&path)
     };
-    for layer in ["brightness", "elevation"] {
-        let whole = map(layer, "whole-of-parts.tif", &[]);
-        let part = map(layer, "part.tif", &["--bounds=8.5,46.1,9.1,46.5"]);
+    let all: &[&str] = &["--places", "300000"];
+    let slopes: &[&str] = &["--places", "20000", "--measure", "slope", "--time", "2026-08-20T21:00:00Z"];
+    for (layer, asked) in [("brightness", all), ("brightness", slopes), ("radiance", all), ("elevation", all)]
+    {
+        let whole = map(layer, "whole-of-parts.tif", asked);
+        let part = map(layer, "part.tif", &[asked, &["--bounds=8.5,46.1,9.1,46.5"]].concat());
         let [left, top] = [0, 1].map(|axis| {
             let apart = (part.first[axis] - whole.first[axis]) / whole.pixel[axis];
             assert!((apart - apart.round()).abs() < 1e-6, "{layer}: {apart} pixels");

@@ -200,4 +200,4 @@ impl<'a> Convolution<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -9,10 +9,10 @@ use skyglow_physics::GeoPoint;
 use skyglow_physics::source_pixel::point_sources;
 
 /// Column, row and radiance.
-type Light = (u32, u32, f32);
+pub(crate) type Light = (u32, u32, f32);
 
 /// About what a light does to the zenith, by altitude of the place, distance and height of the light over the place.
-fn kernel() -> PlaceKernel {
+pub(crate) fn kernel() -> PlaceKernel {
     let altitudes = UniformAxis::between(0.0, 1_500.0, 250.0, 99);
     let offsets = UniformAxis::between(-1_500.0, 1_500.0, 50.0, 99);
     let value = |altitude_m: f64, distance_km: f64, offset_m: f64| {
@@ -30,14 +30,14 @@ fn kernel() -> PlaceKernel {
 }
 
 /// A raster with its lights, at whose every pixel there is a place on ground of the altitude of the lights there.
-struct Region {
-    grid: Grid,
+pub(crate) struct Region {
+    pub(crate) grid: Grid,
     pixels: LitPixels,
     ground_m: fn(u32) -> f32,
 }
 
 impl Region {
-    fn new(
+    pub(crate) fn new(
         [longitude_deg, latitude_deg, step_deg]: [f64; 3],
         [width, height]: [u32; 2],
         lights: &[Light],
@@ -65,6 +65,19 @@ impl Region {
     }
 
     fn with_kernel<T>(&self, kernel: &PlaceKernel, make: impl FnOnce(&Convolution<'_>) -> T) -> T {
+        let lattice = PlaceLattice::within(self.grid.width, self.grid.height, usize::MAX);
+        let altitudes_m: Vec<f32> = (0..lattice.len()).map(|at| self.eye_m(at)).collect();
+        self.with_layers(kernel, |layers| {
+            make(&Convolution::new(&self.grid, layers, lattice, &altitudes_m).unwrap())
+        })
+    }
+
+    /// Something made of its lights.
+    pub(crate) fn with_layers<T>(
+        &self,
+        kernel: &PlaceKernel,
+        make: impl FnOnce(&[(LightTree<'_>, &PlaceKernel)]) -> T,
+    ) -> T {
         let pyramid = LightPyramid::build(&self.grid, &self.pixels, None, 1.0);
         let tree = LightTree {
             grid: &self.grid,
@@ -75,10 +88,7 @@ impl Region {
             removed: None,
             first_number: 0,
         };
-        let layers = [(tree, kernel)];
-        let lattice = PlaceLattice::within(self.grid.width, self.grid.height, usize::MAX);
-        let altitudes_m: Vec<f32> = (0..lattice.len()).map(|at| self.eye_m(at)).collect();
-        make(&Convolution::new(&self.grid, &layers, lattice, &altitudes_m).unwrap())
+        make(&[(tree, kernel)])
     }
 
     fn eye_m(&self, place: usize) -> f32 {

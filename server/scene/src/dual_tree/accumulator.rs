@@ -3,7 +3,7 @@
 use super::near_field::{NearLights, Observer};
 use super::node_sums::NodeSums;
 use super::patch::{Patch, PatchGround};
-use super::place_lattice::PlaceLattice;
+use super::place_window::Observers;
 use super::sources::{Candidate, Cluster, Sources};
 use crate::place_kernel::{Compass, RingPosition};
 use crate::turns::turns_from_light;
@@ -16,14 +16,13 @@ pub(super) const LEAF_SIDE_PLACES: u32 = 8;
 /// Longest side of a leaf patch, metres, unless it is one place: nearer than that, all lights are near.
 const MAX_LEAF_SIDE_M: f64 = 8_000.0;
 
-/// Accumulates the sums over all lights at the places of a lattice.
+/// Accumulates the sums over all lights at places of a lattice.
 pub(crate) struct Accumulator<'a> {
     pub(crate) sources: Sources<'a>,
-    pub(crate) lattice: PlaceLattice,
+    /// In a window of whole root patches.
+    pub(crate) observers: &'a Observers,
     /// From one place to the next, metres.
     pub(crate) step_m: f64,
-    /// Of the observers at the places, metres above sea level; NaN where none can be.
-    pub(crate) altitudes_m: &'a [f32],
 }
 
 impl Accumulator<'_> {
@@ -46,13 +45,19 @@ impl Accumulator<'_> {
         let Some((lowest, highest)) = self.kernel_altitudes(patch) else {
             return;
         };
-        let ground = PatchGround::of(patch, self.lattice, self.sources.grid);
+        let ground = PatchGround::of(patch, self.observers.lattice, self.sources.grid);
         let mut node_sums = NodeSums::inherit(patch, (lowest, highest), inherited);
         // A patch over the edge of the world has nodes without a place: only its parts are summed.
         let left = match ground.is_whole() {
             true => self.add_far(&ground, candidates, &mut node_sums),
             false => candidates.to_vec(),
         };
+        // Beyond the reach of all lights, as most of a planet is.
+        if left.is_empty() && node_sums.is_dark() {
+            let dark = |altitude_m: f32| if altitude_m.is_finite() { 0.0 } else { f32::NAN };
+            let places = patch.places().map(|(column, row)| dark(self.altitude_m(column, row)));
+            return write(patch, &places.collect::<Vec<f32>>());
+        }
         let is_small = patch.longest() <= LEAF_SIDE_PLACES
             && f64::from(patch.longest()) * self.step_m <= MAX_LEAF_SIDE_M
             && ground.is_whole();
@@ -66,42 +71,43 @@ impl Accumulator<'_> {
         let compass = Compass::at(ground.middle);
         let is_positive = self.sources.is_positive();
         let mut values = Vec::with_capacity(patch.len());
-        for row in patch.rows.first..=patch.rows.last {
-            for column in patch.columns.first..=patch.columns.last {
-                let altitude_m = self.altitude_m(column, row);
-                if !altitude_m.is_finite() {
-                    values.push(f32::NAN);
-                    continue;
-                }
-                let direction = self.lattice.point(self.sources.grid, f64::from(column), f64::from(row));
-                let place_m = (EARTH_RADIUS_M * (direction - ground.middle)).as_vec3();
-                let observer = Observer { direction, place_m, altitude_m, compass };
-                let far = self.sources.layers.first().map_or(0.0, |(_, kernel)| {
-                    node_sums.at(f64::from(column), f64::from(row), kernel.altitudes().position(altitude_m))
-                });
-                let far = if is_positive { far.max(0.0) } else { far };
-                values.push(far + near.at(&self.sources, &observer));
+        for (column, row) in patch.places() {
+            let altitude_m = self.altitude_m(column, row);
+            if !altitude_m.is_finite() {
+                values.push(f32::NAN);
+                continue;
             }
+            let (x, y) = (f64::from(column), f64::from(row));
+            let direction = self.observers.lattice.point(self.sources.grid, x, y);
+            let place_m = (EARTH_RADIUS_M * (direction - ground.middle)).as_vec3();
+            let observer = Observer { direction, place_m, altitude_m, compass };
+            let far = self
+                .sources
+                .layers
+                .first()
+                .map_or(0.0, |(_, kernel)| node_sums.at(x, y, kernel.altitudes().position(altitude_m)));
+            let far = if is_positive { far.max(0.0) } else { far };
+            values.push(far + near.at(&self.sources, &observer));
         }
         write(patch, &values);
     }
 
     fn altitude_m(&self, column: u32, row: u32) -> f32 {
-        self.altitudes_m[row as usize * self.lattice.columns as usize + column as usize]
+        let Observers { window, altitudes_m, .. } = self.observers;
+        let (column, row) = ((column - window.columns.start) as usize, (row - window.rows.start) as usize);
+        altitudes_m[row * window.columns.len() + column]
     }
 
     /// The kernels' altitudes around the ground of a patch; None where none of its places can have an observer.
     fn kernel_altitudes(&self, patch: Patch) -> Option<(usize, usize)> {
         let axis = self.sources.layers.first().map(|(_, kernel)| kernel.altitudes());
         let mut range: Option<(usize, usize)> = None;
-        for row in patch.rows.first..=patch.rows.last {
-            for column in patch.columns.first..=patch.columns.last {
-                let altitude_m = self.altitude_m(column, row);
-                if altitude_m.is_finite() {
-                    let below = axis.map_or(0, |axis| axis.position(altitude_m).0);
-                    let (lowest, highest) = range.unwrap_or((below, below + 1));
-                    range = Some((lowest.min(below), highest.max(below + 1)));
-                }
+        for (column, row) in patch.places() {
+            let altitude_m = self.altitude_m(column, row);
+            if altitude_m.is_finite() {
+                let below = axis.map_or(0, |axis| axis.position(altitude_m).0);
+                let (lowest, highest) = range.unwrap_or((below, below + 1));
+                range = Some((lowest.min(below), highest.max(below + 1)));
             }
         }
         range

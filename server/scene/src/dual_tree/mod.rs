@@ -31,7 +31,7 @@ pub(crate) use patch_store::Stage;
 pub use place_lattice::PlaceLattice;
 pub(crate) use place_lattice::ground_altitudes_m;
 pub use place_values::PlaceValues;
-pub use place_window::PlaceWindow;
+pub use place_window::{Observers, PlaceWindow};
 pub(crate) use sources::{Sources, SumOf};
 
 use crate::grid::Grid;
@@ -42,25 +42,26 @@ use patch::Patch;
 use rayon::prelude::*;
 use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::source_pixel::MAX_SOURCE_DISTANCE_M;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Longest side of a root patch, metres. The work is divided by root patches.
 const MAX_ROOT_SIDE_M: f64 = 64_000.0;
 
-/// The sums at all places, row by row from the north; NaN where the altitude is, and in root patches that nobody wants. None where
-/// `store` cancelled.
+/// The sums at the observers' places, row by row from the north; NaN where the altitude is, and in root patches that nobody wants.
+/// None where `store` cancelled.
 pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Option<Vec<f32>> {
-    let lattice = accumulator.lattice;
+    let observers = accumulator.observers;
     let candidates = accumulator.sources.roots();
-    let side = root_side(lattice, accumulator.step_m);
-    let patches = root_patches(lattice, side);
+    let side = root_side(observers.lattice, accumulator.step_m);
+    let patches = root_patches(observers.lattice, side, &observers.window);
     let places_done = AtomicUsize::new(0);
     let is_cancelled = AtomicBool::new(false);
-    let of_patch = |(number, patch): (usize, &Patch)| {
+    let of_patch = |(number, patch): &(u64, Patch)| {
         if is_cancelled.load(Ordering::Relaxed) {
             return None;
         }
-        let (number, count) = (number as u64, patch.len());
+        let (number, count) = (*number, patch.len());
         if !store.wants(&patch.window()) {
             return Some(vec![f32::NAN; count]);
         }
@@ -68,33 +69,35 @@ pub(crate) fn sum(accumulator: &Accumulator<'_>, store: &dyn PatchStore) -> Opti
         let is_known = known.is_some();
         let sums = known.unwrap_or_else(|| accumulator.sum_patch(*patch, &candidates));
         let done = places_done.fetch_add(count, Ordering::Relaxed) + count;
-        let progress = done as f64 / lattice.len() as f64;
+        let progress = done as f64 / observers.window.count() as f64;
         if !is_known && !store.store(number, &sums, progress) {
             is_cancelled.store(true, Ordering::Relaxed);
         }
         Some(sums)
     };
-    let found: Vec<Option<Vec<f32>>> = patches.par_iter().enumerate().map(of_patch).collect();
+    let found: Vec<Option<Vec<f32>>> = patches.par_iter().map(of_patch).collect();
     if is_cancelled.load(Ordering::Relaxed) {
         return None;
     }
-    let mut all = vec![0f32; lattice.len()];
-    let whole = Patch::of(lattice);
-    for (patch, sums) in patches.iter().zip(found) {
+    let mut all = vec![0f32; observers.window.count()];
+    let whole = Patch::of(&observers.window);
+    for ((_, patch), sums) in patches.iter().zip(found) {
         patch.write(&sums?, whole, &mut all);
     }
     Some(all)
 }
 
-/// The lights that reach the root patches that a store wants: discs around these.
+/// The lights that reach the root patches of a window that a store wants: discs around these.
 pub(crate) fn wanted_discs(
     lattice: PlaceLattice,
+    window: &PlaceWindow,
     grid: &Grid,
     step_m: f64,
     store: &dyn PatchStore,
 ) -> Vec<Disc> {
     let side = root_side(lattice, step_m);
-    let wanted = root_patches(lattice, side).into_iter().filter(|patch| store.wants(&patch.window()));
+    let patches = root_patches(lattice, side, window).into_iter().map(|(_, patch)| patch);
+    let wanted = patches.filter(|patch| store.wants(&patch.window()));
     let disc = |patch: Patch| {
         let [columns, rows] =
             [patch.columns, patch.rows].map(|interval| [f64::from(interval.first), f64::from(interval.last)]);
@@ -108,14 +111,19 @@ pub(crate) fn wanted_discs(
     wanted.filter_map(disc).collect()
 }
 
-/// The patches into which a lattice is divided.
-fn root_patches(lattice: PlaceLattice, side: u32) -> Vec<Patch> {
-    let intervals = |count: u32| {
-        let last = move |first: u32| (first + side - 1).min(count - 1);
-        (0..count).step_by(side as usize).map(move |first| Interval { first, last: last(first) })
+/// The patches, of those into which a lattice is divided, that have places of a window, with their numbers among all.
+fn root_patches(lattice: PlaceLattice, side: u32, window: &PlaceWindow) -> Vec<(u64, Patch)> {
+    let intervals = |range: &Range<u32>, count: u32| {
+        let interval =
+            move |at: u32| Interval { first: at * side, last: (at * side + (side - 1)).min(count - 1) };
+        (range.start / side..range.end.div_ceil(side)).map(move |at| (u64::from(at), interval(at)))
     };
-    intervals(lattice.rows)
-        .flat_map(|rows| intervals(lattice.columns).map(move |columns| Patch { columns, rows }))
+    let a_row = u64::from(lattice.columns.div_ceil(side));
+    let columns = || intervals(&window.columns, lattice.columns);
+    intervals(&window.rows, lattice.rows)
+        .flat_map(|(row, rows)| {
+            columns().map(move |(column, columns)| (row * a_row + column, Patch { columns, rows }))
+        })
         .collect()
 }
 
@@ -127,3 +135,6 @@ pub(crate) fn root_side(lattice: PlaceLattice, step_m: f64) -> u32 {
     }
     side
 }
+
+#[cfg(test)]
+mod tests;

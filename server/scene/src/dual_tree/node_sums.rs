@@ -28,6 +28,11 @@ impl NodeSums {
         Self { patch, lowest, sums }
     }
 
+    /// Whether they are all 0.
+    pub(super) fn is_dark(&self) -> bool {
+        self.sums.iter().flatten().all(|sum| *sum == 0.0)
+    }
+
     /// At a place of the patch and an altitude: the node below on the kernels' axis and the weight of the next.
     pub(super) fn at(&self, column: f64, row: f64, (below, up): (usize, f32)) -> f32 {
         let (columns, rows) = (self.patch.columns.weights_at(column), self.patch.rows.weights_at(row));

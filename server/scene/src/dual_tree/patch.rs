@@ -6,6 +6,7 @@ use super::place_window::PlaceWindow;
 use crate::grid::Grid;
 use glam::{DVec3, Vec3};
 use skyglow_physics::EARTH_RADIUS_M;
+use std::ops::Range;
 
 /// Interpolation nodes of a patch.
 pub(super) const PATCH_NODES: usize = NODE_COUNT * NODE_COUNT;
@@ -18,12 +19,10 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// All of a lattice.
-    pub(super) fn of(lattice: PlaceLattice) -> Self {
-        Self {
-            columns: Interval { first: 0, last: lattice.columns - 1 },
-            rows: Interval { first: 0, last: lattice.rows - 1 },
-        }
+    /// All of a window.
+    pub(super) fn of(window: &PlaceWindow) -> Self {
+        let of = |range: &Range<u32>| Interval { first: range.start, last: range.end - 1 };
+        Self { columns: of(&window.columns), rows: of(&window.rows) }
     }
 
     pub(super) fn window(&self) -> PlaceWindow {
@@ -33,6 +32,13 @@ impl Patch {
 
     pub(super) fn len(&self) -> usize {
         self.columns.len() as usize * self.rows.len() as usize
+    }
+
+    /// Columns and rows of its places, row by row.
+    pub(super) fn places(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let Self { columns, rows } = *self;
+        (rows.first..=rows.last)
+            .flat_map(move |row| (columns.first..=columns.last).map(move |column| (column, row)))
     }
 
     /// Copies values, row by row, to where they belong among those of `whole`, which this is a part of.

@@ -69,14 +69,14 @@ impl PlaceLattice {
         self.columns as usize * self.rows as usize
     }
 
-    /// Number of a place, row by row from the north.
-    pub fn index(&self, column: u32, row: u32) -> usize {
-        row as usize * self.columns as usize + column as usize
-    }
-
     /// Whether there are none, which no lattice has.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Column and row of the first block, counted in whole blocks.
+    pub(crate) fn first_block(&self) -> [u32; 2] {
+        self.first.map(|pixels| pixels / self.step)
     }
 
     /// Whether places are as many pixels apart along either axis.

@@ -1,7 +1,6 @@
 //! A number at every place of a lattice, as a mean mipmap pyramid (Williams 1983) for maps at any scale.
 
 use super::place_lattice::PlaceLattice;
-use super::place_window::PlaceWindow;
 
 /// A number at every place of a lattice, and its means over ever larger blocks of places.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,15 +33,6 @@ impl PlaceValues {
         }
         levels.push(plane);
         Some(Self { lattice, levels })
-    }
-
-    /// Those of a window; None where it is not within the lattice.
-    pub fn part(&self, window: &PlaceWindow) -> Option<Self> {
-        let columns = window.columns.start as usize..window.columns.end as usize;
-        let rows = self.values().chunks_exact(self.levels[0].columns);
-        let rows = rows.skip(window.rows.start as usize).take(window.rows.len());
-        let values = rows.map(|row| row.get(columns.clone())).collect::<Option<Vec<_>>>()?;
-        Self::new(self.lattice.part(window), values.concat())
     }
 
     /// The places.

@@ -2,7 +2,9 @@
 
 use super::Scene;
 use crate::convolution::{self, Convolution};
-use crate::dual_tree::{self, Accumulator, PatchStore, PlaceLattice, PlaceWindow, Sources, Stage, SumOf};
+use crate::dual_tree::{
+    self, Accumulator, Observers, PatchStore, PlaceLattice, PlaceWindow, Sources, Stage, SumOf,
+};
 use crate::light_layer::LightLayer;
 use crate::light_tree::LightTree;
 use crate::place_kernel::PlaceKernel;
@@ -60,11 +62,21 @@ impl Scene {
     /// than their share of the whole lattice.
     pub fn patch_size(&self, lattice: PlaceLattice) -> [u32; 2] {
         let side = dual_tree::root_side(lattice, self.place_step_m(lattice));
-        let convolves = self.way_to_sum(lattice) == SumWay::Convolution
-            && Convolution::new(&self.grid, &[], lattice, &[]).is_some();
-        match convolves {
-            true => [lattice.columns, convolution::strip_rows(lattice).max(side)],
-            false => [side; 2],
+        match self.way_to_sum(lattice) {
+            SumWay::Convolution => [lattice.columns, convolution::strip_rows(lattice).max(side)],
+            SumWay::DualTree => [side; 2],
+        }
+    }
+
+    /// The window in which [`Self::sum_at_places`] finds the sums at some places: by the dual tree that of whole patches around
+    /// them, by convolution all places.
+    pub fn summed_window(&self, lattice: PlaceLattice, places: &PlaceWindow, way: SumWay) -> PlaceWindow {
+        match way {
+            SumWay::Convolution => lattice.whole(),
+            SumWay::DualTree => {
+                let side = dual_tree::root_side(lattice, self.place_step_m(lattice));
+                places.of_whole_blocks(side, lattice)
+            }
         }
     }
 
@@ -79,10 +91,10 @@ impl Scene {
         dual_tree::ground_altitudes_m(lattice, &self.grid, &self.terrain)
     }
 
-    /// The sum over the lights within 300 km at every place of a lattice, row by row from the north; NaN where the altitude is. It may
-    /// be below 0 where the kernels know azimuths.
+    /// The sum over the lights within 300 km at every observer's place, row by row from the north; NaN where the altitude is, and where
+    /// `store` does not want it. It may be below 0 where the kernels know azimuths.
     ///
-    /// * `altitudes_m`: of the observers at the places, metres above sea level; NaN where none can be.
+    /// * `observers`: in a window as of [`Self::summed_window`]: what is found at a place depends on the lattice, not on the window.
     /// * `kernels`: of each of [`Self::fixtures`].
     /// * `terrain_hides`: whether the skylines of lights cut their low light, where scene and kernels know them.
     /// * `way`: how they are summed; [`Self::way_to_sum`] says which is the shorter.
@@ -91,22 +103,24 @@ impl Scene {
     /// None where it was cancelled.
     ///
     /// # Panics
-    /// Where altitudes or kernels do not fit lattice or fixtures.
+    /// Where altitudes, window or kernels do not fit window, lattice or fixtures.
     pub fn sum_at_places(
         &self,
-        lattice: PlaceLattice,
-        altitudes_m: &[f32],
+        observers: &Observers,
         kernels: &[PlaceKernel],
         terrain_hides: bool,
         way: SumWay,
         store: &dyn PatchStore,
     ) -> Option<Vec<f32>> {
-        assert_eq!(altitudes_m.len(), lattice.len(), "an altitude for each place");
+        let Observers { lattice, window, altitudes_m } = observers;
+        let lattice = *lattice;
+        assert_eq!(altitudes_m.len(), window.count(), "an altitude for each place");
+        assert_eq!(*window, self.summed_window(lattice, window, way), "a window of whole patches");
         let fixtures = self.fixtures();
         assert_eq!(fixtures.len(), kernels.len(), "a kernel for each kind of fixture");
         let any_hides = terrain_hides && kernels.iter().any(PlaceKernel::knows_skylines);
         let step_m = self.place_step_m(lattice);
-        let discs = || dual_tree::wanted_discs(lattice, &self.grid, step_m, store);
+        let discs = || dual_tree::wanted_discs(lattice, window, &self.grid, step_m, store);
         let view = self.skyline_view(any_hides, discs, LARGEST_BLOCK_M, None);
         let layers: Vec<(LightTree<'_>, &PlaceKernel)> = (self.light_layers.iter())
             .filter_map(|layer| {
@@ -118,7 +132,7 @@ impl Scene {
             .collect();
         let tree = |sum: SumOf, store: &dyn PatchStore| {
             let sources = Sources { grid: &self.grid, layers: &layers, sum };
-            dual_tree::sum(&Accumulator { sources, lattice, step_m, altitudes_m }, store)
+            dual_tree::sum(&Accumulator { sources, observers, step_m }, store)
         };
         let convolution = Convolution::new(&self.grid, &layers, lattice, altitudes_m);
         let (SumWay::Convolution, Some(convolution)) = (way, convolution) else {
@@ -141,8 +155,12 @@ impl Scene {
     }
 
     /// The way in which the lights at the places of a lattice are summed sooner, by an estimate: convolutions take as long whether
-    /// there is light or not, the dual tree takes longer the more pixels are lit near a place.
+    /// there is light or not, the dual tree takes longer the more pixels are lit near a place. Where no convolution can be, the dual
+    /// tree.
     pub fn way_to_sum(&self, lattice: PlaceLattice) -> SumWay {
+        if Convolution::new(&self.grid, &[], lattice, &[]).is_none() {
+            return SumWay::DualTree;
+        }
         let lit_pixels = self.light_layers.iter().map(LightLayer::len).sum::<usize>() as f64;
         let pixels = f64::from(self.grid.width) * f64::from(self.grid.height);
         let range_m =

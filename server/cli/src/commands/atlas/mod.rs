@@ -19,13 +19,13 @@ use skyglow_app::{
     answers::{BrightnessAssumptions, brightness_shows},
     facts::SourceFacts,
     fingerprint::brightness_key,
-    map_part::{MAX_MAP_PLACES, brightness_part, part_within},
+    map_part::{check_part, window_within},
     parameters::BrightnessParameters,
     request,
 };
 use skyglow_display::tile::RADIANCE_RANGE_NW_CM2_SR;
-use skyglow_observatory::BrightnessRequest;
-use skyglow_scene::{PatchStore, PlaceWindow, RasterMetadata, Scene, SceneId, TileLayer};
+use skyglow_observatory::{BrightnessRequest, SceneView};
+use skyglow_scene::{PatchStore, PlaceWindow, RasterMetadata, SceneId, TileLayer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -48,9 +48,10 @@ pub(crate) struct Atlas {
     /// File to write; its ending says the format: .tif or .pmtiles
     #[arg(short, long, env = "SKYGLOW_OUTPUT", value_name = "FILE", value_parser = output)]
     output: Output,
-    /// Places at most: where the scene has more pixels, blocks of them share one
+    /// Places of the whole map at most: where the scene has more pixels, blocks of them share one. More than 400 000 000 are made part by
+    /// part, with --bounds
     #[arg(long, env = "SKYGLOW_PLACES", value_name = "N", default_value_t = 16_000_000,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_MAP_PLACES)))]
+          value_parser = clap::value_parser!(u32).range(1..))]
     places: u32,
     /// West, south, east and north of the part to make, degrees, of a .tif; the same numbers as in the map of the whole scene [default:
     /// all of the scene]
@@ -155,11 +156,15 @@ impl Atlas {
         let view = source.view(&request.scene, request.scenario.as_ref()).map_err(failure)?;
         // A key knows the program too: another one's numbers are not gone on with.
         let key = brightness_key(&request, view.version(), source.facts()).map_err(failure)?;
-        let window = self.window(view.scene())?;
+        let window = self.window(&request, &view)?;
         let store = PartStore { file: PartFile::open(part, &key)?, stages };
+        if request.terrain_hides {
+            self.prepare_skylines(&view, stages);
+        }
         stages.begin("brightness of places", 1000);
         let prepared = source.prepare_brightness(&request, &view).map_err(failure)?;
-        let (map, places) = brightness_part(&prepared, window.as_ref(), &store)
+        let map = source
+            .brightness_part(&prepared, window.as_ref(), &store)
             .map_err(|error| store.failure(part).unwrap_or_else(|| query::failure(&error)))?;
         let assumptions = BrightnessAssumptions::new(&request, &map, source.facts());
         for warning in &assumptions.warnings {
@@ -167,21 +172,41 @@ impl Atlas {
         }
         Ok(Found {
             scene: Arc::clone(view.scene()),
-            places,
             unit: map.unit(),
             description: brightness_shows(map.measure, map.light, &map.response),
             colour_range: map.colour_range(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
+            places: map.into_places(),
         })
     }
 
     /// The places within the bounds that are asked for; None for all.
-    fn window(&self, scene: &Scene) -> Result<Option<PlaceWindow>, Failure> {
-        let Some(bounds) = self.bounds else { return Ok(None) };
-        let window = scene.places_within(scene.place_lattice(self.places as usize), bounds);
-        match window {
-            Some(window) => Ok(Some(window)),
-            None => Err(Failure::Usage("no place of the scene lies within --bounds".to_owned())),
+    fn window(&self, request: &BrightnessRequest, view: &SceneView) -> Result<Option<PlaceWindow>, Failure> {
+        let window = match self.bounds {
+            None => None,
+            Some(bounds) => Some(
+                window_within(request, view, bounds)
+                    .ok_or_else(|| Failure::Usage("no place of the scene lies within --bounds".to_owned()))?,
+            ),
+        };
+        let all = || view.scene().place_lattice(request.max_places).len();
+        let count = window.as_ref().map_or_else(all, PlaceWindow::count);
+        check_part(count).map_err(|error| query::failure(&error))?;
+        Ok(window)
+    }
+
+    /// Finds what terrain hides of the lights around the part, where that is found when it is needed: it may take minutes.
+    fn prepare_skylines(&self, view: &SceneView, stages: &Stages) {
+        let mut is_begun = false;
+        let prepared = view.scene().prepare_skylines(self.bounds, &mut |done, lights| {
+            if !is_begun {
+                stages.begin("skylines of lights", lights);
+                is_begun = true;
+            }
+            stages.set(done);
+        });
+        if let Err(error) = prepared {
+            tracing::warn!("skylines are found, and not kept: {error}");
         }
     }
 
@@ -191,10 +216,11 @@ impl Atlas {
         let scenario = request.scenario.as_ref().filter(|_| layer == TileLayer::Radiance);
         let view = source.view(&request.scene, scenario).map_err(|error| query::failure(&error))?;
         let scene = Arc::clone(view.scene());
-        let places = scene.layer_at_places(layer, scene.place_lattice(self.places as usize));
+        let lattice = scene.place_lattice(request.max_places);
+        let part = self.window(&request, &view)?.map_or(lattice, |window| lattice.part(&window));
+        let places = scene.layer_at_places(layer, part);
         let places =
             places.ok_or_else(|| Failure::Work("a layer of another size than its places".to_owned()))?;
-        let places = part_within(&places, self.window(&scene)?.as_ref()).map_err(Failure::work)?;
         let (unit, description) = match layer {
             TileLayer::Radiance => ("nW cm-2 sr-1", "upward radiance"),
             TileLayer::Elevation => ("m", "terrain elevation"),
