@@ -25,6 +25,14 @@ test("towns are listed by their shares", async () => {
     assert.match(sentence, new RegExp(`\\d+\\s% of the glow comes from ${places[0].name}`));
     const order = (part) => asked.findIndex((path) => path.includes(part));
     assert.ok(order("/shares?") > order("/panorama.sky?") && order("/panorama.sky?") >= 0);
+    // The same of the light on the ground.
+    await page.click("#shares-of button[value=ground]");
+    const ground = await getJson(skyPath(here.scene, "shares", here.beside, "&limit=12&measure=horizontal"));
+    const [town] = ground.places;
+    await page.waitForFunction(() => /of the light on the ground/.test(document.querySelector("#summary").textContent));
+    const [onGround = ""] = await rows(page);
+    assert.ok(onGround.startsWith(town.name), onGround);
+    assert.ok(Math.abs(Number(onGround.match(/([\d.]+) %$/)[1]) - 100 * town.share) < 0.51, `${onGround} for ${town.share}`);
     await shot(page, device === PHONE ? "shares-phone" : "shares");
     assertNoFaults(opened);
     await context.close();

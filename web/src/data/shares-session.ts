@@ -22,10 +22,21 @@ export class SharesSession {
 
   constructor(private readonly store: AppStore) {
     const loadSoon = debounced(WAIT_MS, () => void this.load());
-    const parts = [sceneOf, "place", "isAway", "skyStage", "isBusy", "isTrying", "region", "areas", ...CONDITIONS] as const;
+    const parts = [
+      sceneOf,
+      "place",
+      "isAway",
+      "skyStage",
+      "isBusy",
+      "isTrying",
+      "region",
+      "isOnGround",
+      "areas",
+      ...CONDITIONS,
+    ] as const;
     store.watch(parts, (state) => {
       if (JSON.stringify(requestOf(state)) === this.requested && state.areas === this.requestedAreas) return;
-      this.forget(JSON.stringify([sceneOf(state)?.id, state.place, state.region]));
+      this.forget(JSON.stringify([sceneOf(state)?.id, state.place, state.region, state.isOnGround]));
       loadSoon();
     });
   }

@@ -49,7 +49,7 @@ export async function loadReport(state: Readonly<AppState>, signal: AbortSignal)
   // All around, whatever the page looks at. Colours of a scale need their legend; those of light say what they are.
   const look = { ...state, projection: "equirectangular" } as const;
   const legend = isOfLight(state.colours) ? "off" : "on";
-  const { scenario: _, ...query } = sharesQuery({ ...state, region: null }, place);
+  const { scenario: _, ...query } = sharesQuery({ ...state, region: null, isOnGround: false }, place);
   const { areas, scenario } = state;
   const changed = scenario === null ? null : { ...today, scenario };
   const answer = api.sky(scene.id, today, signal);

@@ -63,6 +63,8 @@ export interface AppState extends ViewState {
   comparison: Comparison | null;
   /** Whose light the sky is, or its marked part: it comes after the sky. */
   shares: Shares | null;
+  /** Whether shares are asked for in the light that level ground receives, not overhead. */
+  isOnGround: boolean;
   areas: Areas | null;
   /** The lights that do most to the sky while the map shows them; they come after the sky. */
   influences: readonly InfluentialPixel[];
@@ -121,6 +123,7 @@ export function initialState(view: ViewState): AppState {
     comparison: null,
     besideAnswer: null,
     shares: null,
+    isOnGround: false,
     areas: null,
     areaShares: null,
     influences: [],
@@ -339,11 +342,11 @@ export function influenceQuery({ measure, region }: State, place: Place, conditi
   return { ...coordinatesOf(place), ...conditions, measure, ...marked };
 }
 
-/** The zenith's shares, or those of the part of the sky that is marked. */
+/** The shares of the zenith, of level ground, or of the part of the sky that is marked. */
 export function sharesQuery(state: State, place: Place): SharesQuery {
-  const { region } = state;
-  const marked =
-    region === null ? ({ measure: "zenith" } as const) : { measure: "region" as const, region: textFromRegion(region) };
+  const { region, isOnGround } = state;
+  const whole = isOnGround ? ("horizontal" as const) : ("zenith" as const);
+  const marked = region === null ? { measure: whole } : { measure: "region" as const, region: textFromRegion(region) };
   return { ...coordinatesOf(place), ...pictureConditions(state), ...marked };
 }
 

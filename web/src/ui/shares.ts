@@ -6,6 +6,7 @@ import { compassName } from "../sky/projection.ts";
 import type { AppStore } from "../state/app-store.ts";
 import { byId, make } from "./dom.ts";
 import { percent, whole } from "./format.ts";
+import { wireGroup } from "./group.ts";
 
 const MAX_ROWS = 5;
 /** Towns with less are among the others. */
@@ -41,9 +42,13 @@ export function mountShares(store: AppStore, goTo: (town: NamedPlace) => void): 
   const title = byId("shares-title", HTMLElement);
   const waiting = byId("shares-waiting", HTMLElement);
   const list = byId("shares-list", HTMLElement);
-  store.watch(["shares", "isSharing", "skyStage"], ({ shares, isSharing, region, skyStage }) => {
+  const of = byId("shares-of", HTMLElement);
+  const press = wireGroup<"zenith" | "ground">("shares-of", (chosen) => store.set({ isOnGround: chosen === "ground" }));
+  store.watch(["isOnGround"], ({ isOnGround }) => press(isOnGround ? "ground" : "zenith"));
+  store.watch(["shares", "isSharing", "skyStage", "region"], ({ shares, isSharing, region, skyStage }) => {
     section.hidden = shares === null && !isSharing && skyStage !== "picture";
-    title.textContent = region === null ? placeWords().shares.overhead : placeWords().shares.inMarked;
+    of.hidden = region !== null;
+    title.textContent = region === null ? placeWords().shares.title : placeWords().shares.inMarked;
     waiting.textContent = isSharing && shares === null ? placeWords().shares.waiting : "";
     section.setAttribute("aria-busy", String(isSharing));
   });

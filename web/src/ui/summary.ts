@@ -102,7 +102,8 @@ export function glowSentence({ sky, night_sky }: Summarized, { measure, places, 
   const [first, ...others] = places;
   // Where Sun or Moon outshine the lamps, most of the glow is theirs.
   const isOfLamps = night_sky == null || dominantLight(night_sky, sky.zenith_luminance_cd_m2) === null;
-  if (measure !== "zenith" || !isOfLamps || sky.ratio_to_natural < PRISTINE_RATIO) return "";
+  const isGround = measure === "horizontal";
+  if ((measure !== "zenith" && !isGround) || !isOfLamps || sky.ratio_to_natural < PRISTINE_RATIO) return "";
   const percent = (share: number) => whole(Math.round(100 * share));
   const too = (towns: Shares["places"], count: number) =>
     towns
@@ -110,6 +111,10 @@ export function glowSentence({ sky, night_sky }: Summarized, { measure, places, 
       .map(({ share, name }) => say.glowToo(percent(share), name))
       .join("");
   const { share: far } = elsewhere;
+  if (isGround)
+    return first === undefined || first.share < NAMED_SHARE || far > first.share
+      ? ""
+      : say.glowOnGround(percent(first.share), first.name, too(others, MAX_NAMED - 1));
   // Lights that are no town's may be the most of all.
   if (far >= NAMED_SHARE && far > (first?.share ?? 0))
     return (far > 0.5 ? say.glowMostlyFar : say.glowFar)(percent(far), too(places, MAX_NAMED - 1));

@@ -91,6 +91,9 @@ export const place = {
     starsTonight: (visible: string, all: string) => `You see about ${visible} of ${all} stars tonight.`,
     /** `more`: others with their parts, or nothing. */
     glow: (percent: string, town: string, more: string) => `${percent}\u00a0% of the glow comes from ${town}${more}.`,
+    /** The same of what level ground receives. */
+    glowOnGround: (percent: string, town: string, more: string) =>
+      `${percent}\u00a0% of the light on the ground comes from ${town}${more}.`,
     glowToo: (percent: string, town: string) => `, ${percent}\u00a0% from ${town}`,
     /** Most of all, or more than of any town, is no town's light. */
     glowMostlyFar: (percent: string, more: string) =>
@@ -101,7 +104,10 @@ export const place = {
   },
   /** Whose light the sky is. */
   shares: {
-    overhead: "Whose light overhead",
+    title: "Whose light",
+    of: "Whose light, of what",
+    overhead: "Overhead",
+    onGround: "On the ground",
     inMarked: "Whose light in the marked part",
     waiting: "Finding whose light it is…",
     none: "No artificial light.",

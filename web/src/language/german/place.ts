@@ -79,6 +79,7 @@ export const place: PlaceWords = {
       "Die Milchstraße tritt deutlich hervor.",
     ],
     glow: (percent, town, more) => `${percent}\u00a0% der Aufhellung stammen aus ${town}${more}.`,
+    glowOnGround: (percent, town, more) => `${percent}\u00a0% des Lichts am Boden stammen aus ${town}${more}.`,
     glowToo: (percent, town) => `, ${percent}\u00a0% aus ${town}`,
     glowMostlyFar: (percent, more) =>
       `Der größte Teil der Aufhellung, ${percent}\u00a0%, stammt von Lichtern fern jeder Stadt (Gasfackeln, Bergwerke, Gewächshäuser, Fischerflotten)${more}.`,
@@ -89,7 +90,10 @@ export const place: PlaceWords = {
     starsTonight: (visible, all) => `Heute Nacht sieht man etwa ${visible} von ${all} Sternen.`,
   },
   shares: {
-    overhead: "Wessen Licht über uns",
+    title: "Wessen Licht",
+    of: "Wessen Licht, wovon",
+    overhead: "Über uns",
+    onGround: "Am Boden",
     inMarked: "Wessen Licht im markierten Teil",
     waiting: "Es wird bestimmt, wessen Licht das ist …",
     none: "Kein künstliches Licht.",
