@@ -178,8 +178,9 @@ test("a newer pick overtakes an older one", async () => {
     }
     await route.continue().catch(() => undefined);
   });
+  const first = page.waitForRequest("**/sky?**");
   await page.evaluate((hash) => (location.hash = hash), fragment(here.beside));
-  await page.waitForRequest("**/sky?**");
+  await first;
   await page.evaluate((hash) => (location.hash = hash), fragment(here.town));
   await skyShown(page);
   const expected = await zenithOf(here.town);

@@ -67,7 +67,7 @@ test("a marked part has its own shares", async () => {
   assert.doesNotMatch(await page.locator("#summary").textContent(), /of the glow/);
   await page.click("#mark");
   await page.waitForFunction(() => document.querySelector("#summary")?.textContent?.includes("of the glow"));
-  assert.equal(await page.locator("#shares-title").textContent(), "Whose light overhead");
+  assert.equal(await page.locator("#shares-title").textContent(), "Whose light");
   assert.equal(asked.filter((path) => path.includes("/shares?")).length, 2);
   assertNoFaults(opened);
   await context.close();
