@@ -261,7 +261,15 @@ mod tests {
         ] {
             assert_eq!(Instant::parse(text).unwrap().to_rfc3339(), back, "{text}");
         }
-        for text in ["2026-08-20T23:16", "2026-08-20T2316Z", "", "2026-08-20", "2026-08-20T23:16:00", "2026-02-30T00:00:00Z", "now"] {
+        for text in [
+            "2026-08-20T23:16",
+            "2026-08-20T2316Z",
+            "",
+            "2026-08-20",
+            "2026-08-20T23:16:00",
+            "2026-02-30T00:00:00Z",
+            "now",
+        ] {
             assert!(matches!(Instant::parse(text), Err(CelestialError::NoTime(_))), "{text}");
         }
         for text in ["1899-12-31T23:59:59Z", "2100-01-01T00:00:00Z", "9999-01-01T00:00:00Z"] {

@@ -13,9 +13,12 @@ fn planet() -> Region {
     Region::new([-180.0, 75.0, 1.0 / 240.0], [86_400, 33_600], &lights, |_| 100.0)
 }
 
+/// Patches by their numbers, with the bits of their sums.
+type StoredPatches = Vec<(u64, Vec<u32>)>;
+
 /// The patches that are stored, by number, with the bits of their sums.
 #[derive(Default)]
-struct Stored(Mutex<Vec<(u64, Vec<u32>)>>);
+struct Stored(Mutex<StoredPatches>);
 
 impl PatchStore for Stored {
     fn load(&self, _: u64, _: usize) -> Option<Vec<f32>> {
@@ -30,7 +33,7 @@ impl PatchStore for Stored {
 }
 
 impl Stored {
-    fn sorted(self) -> Vec<(u64, Vec<u32>)> {
+    fn sorted(self) -> StoredPatches {
         let mut patches = self.0.into_inner().unwrap();
         patches.sort();
         patches
@@ -38,7 +41,7 @@ impl Stored {
 }
 
 /// Sums over the whole patches around a window, on hills that a place's column and row make.
-fn sums(region: &Region, around: &PlaceWindow) -> (PlaceWindow, Vec<f32>, Vec<(u64, Vec<u32>)>) {
+fn sums(region: &Region, around: &PlaceWindow) -> (PlaceWindow, Vec<f32>, StoredPatches) {
     let lattice = PlaceLattice::within(region.grid.width, region.grid.height, usize::MAX);
     let step_m = region.grid.pixel_size_m();
     let window = around.of_whole_blocks(root_side(lattice, step_m), lattice);
