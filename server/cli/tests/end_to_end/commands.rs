@@ -335,7 +335,7 @@ fn a_part_of_a_map_is_cut_out_of_the_whole() {
         raster(&path)
     };
     let all: &[&str] = &["--places", "300000"];
-    let slopes: &[&str] = &["--places", "20000", "--measure", "slope", "--time", "2026-08-20T21:00:00Z"];
+    let slopes: &[&str] = &["--places", "20000", "--measure", "slope", "--sky", "total"];
     for (layer, asked) in [("brightness", all), ("brightness", slopes), ("radiance", all), ("elevation", all)]
     {
         let whole = map(layer, "whole-of-parts.tif", asked);
