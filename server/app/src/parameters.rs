@@ -264,7 +264,7 @@ parameters! {
         allowed: "1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min",
         pattern: A_NUMBER,
     }, "", false;
-    /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic.
+    /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
     /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under
     /// snow.

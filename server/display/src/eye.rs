@@ -1,5 +1,5 @@
 //! The sky as the eye sees it: mesopic brightness (CIE 191:2010), the response of photoreceptors (Naka and Rushton 1966) adapted to the
-//! sky and shown before a dark surround (Bartleson and Breneman 1967), colour that fades to blue-grey where cones see nothing (Jensen et
+//! sky, though never wholly (equivalent background, Crawford 1947), and shown before a dark surround (Bartleson and Breneman 1967), colour that fades to blue-grey where cones see nothing (Jensen et
 //! al. 2000).
 
 use crate::realistic::{SRGB_FROM_XYZ, SrgbBytes};
@@ -7,10 +7,12 @@ use skyglow_physics::mesopic::mesopic;
 
 /// Exponent of the response of photoreceptors (Boynton and Whitten 1970).
 const RESPONSE_EXPONENT: f64 = 0.73;
-/// Half of the brightest response is at so many times the luminance adapted to, cd m⁻², to a power: by eye, so that a dark sky is
-/// near-black, a city's a dark grey and dusk a middle tone.
-const ADAPTATION_SCALE: f64 = 1.3;
-const ADAPTATION_EXPONENT: f64 = 0.7;
+/// Half of the brightest response is at the luminance adapted to, cd m⁻², to this power: by eye, so that a dark sky is near-black, a
+/// city's a dark grey and dusk a middle tone.
+const ADAPTATION_EXPONENT: f64 = 0.8;
+/// Adaptation to the dark stays incomplete: what an eye saw before acts like a background of this luminance, cd m⁻² (Stiles and
+/// Crawford 1932, Crawford 1947). So a darker sky looks darker to an eye that is adapted to it. By eye, as the power is.
+const EQUIVALENT_BACKGROUND_CD_M2: f64 = 0.0025;
 /// Of contrast: 1.5 is what a picture in the dark needs, and the rest is by eye, so that the Milky Way stands out as it does outside.
 const CONTRAST_EXPONENT: f64 = 2.0;
 /// Chromaticity of what rods alone see: two thirds of the way from white (D65) to the blue that painters and viewers choose for
@@ -50,7 +52,8 @@ impl Eye {
     pub fn linear(&self, [x, y, z, scotopic]: Seen, dazzled: f64) -> [f64; 3] {
         let mesopic = mesopic(y, scotopic);
         let adaptation_cd_m2 = (self.adaptation_cd_m2 * dazzled).max(ADAPTATION_RANGE_CD_M2.0);
-        let half_cd_m2 = ADAPTATION_SCALE * adaptation_cd_m2.powf(ADAPTATION_EXPONENT) / self.gain;
+        let background_cd_m2 = adaptation_cd_m2 + EQUIVALENT_BACKGROUND_CD_M2;
+        let half_cd_m2 = background_cd_m2.powf(ADAPTATION_EXPONENT) / self.gain;
         let power = mesopic.luminance_cd_m2.max(0.0).powf(RESPONSE_EXPONENT);
         let shown = (power / (power + half_cd_m2.powf(RESPONSE_EXPONENT))).powf(CONTRAST_EXPONENT);
         if shown <= 0.0 {
@@ -115,7 +118,7 @@ mod tests {
     fn night_looks_like_night() {
         for lamp in [LampPreset::Hps, LampPreset::Led5000k] {
             let [red, green, blue] = bytes(lit(lamp, 2e-4), 2e-4);
-            assert!(red < green && green < blue && (15..70).contains(&blue), "{red} {green} {blue}");
+            assert!(red < green && green < blue && (5..45).contains(&blue), "{red} {green} {blue}");
         }
         let [red, _, blue] = bytes(lit(LampPreset::Hps, 0.3), 0.02);
         assert!(red > blue + 40, "{red} {blue}");
@@ -143,11 +146,11 @@ mod tests {
     #[test]
     fn the_viewer_has_the_same_eye() {
         for (light, dazzled, adaptation_cd_m2, wanted) in [
-            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1.05, 2.5e-4, [43, 47, 60]),
-            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1.05, 2.5e-4, [66, 72, 91]),
-            ([0.034, 0.03, 0.006, 0.02], 1.1, 0.02, [83, 76, 83]),
-            ([0.35, 0.3, 0.05, 0.2], 1.5, 0.02, [220, 164, 134]),
-            ([1.9, 2.0, 2.2, 4.8], 1.5, 1.0, [146, 147, 148]),
+            ([2.1e-4, 2e-4, 1.9e-4, 4.6e-4], 1.05, 2.5e-4, [23, 26, 35]),
+            ([4.2e-4, 4e-4, 3.9e-4, 9.4e-4], 1.05, 2.5e-4, [40, 45, 57]),
+            ([0.034, 0.03, 0.006, 0.02], 1.1, 0.02, [109, 100, 109]),
+            ([0.35, 0.3, 0.05, 0.2], 1.5, 0.02, [245, 183, 149]),
+            ([1.9, 2.0, 2.2, 4.8], 1.5, 1.0, [156, 157, 158]),
             ([2400.0, 2500.0, 2700.0, 6000.0], 1000.0, 0.01, [255, 251, 251]),
         ] {
             let eye = Eye::new(0.0, adaptation_cd_m2);

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 /// without the saturated hue of that one, so that it is not taken for a dark sky.
 pub const TERRAIN_RGB: [u8; 3] = [58, 54, 49];
 /// The same by night, as an eye sees it: darker than any sky.
-pub const DARK_TERRAIN_RGB: [u8; 3] = [4, 5, 6];
+pub const DARK_TERRAIN_RGB: [u8; 3] = [2, 2, 3];
 /// The line along its upper edge: light and as neutral, so that the edge is seen before any colour.
 pub const SKYLINE_RGB: [u8; 3] = [164, 156, 144];
 

@@ -6,7 +6,7 @@ use crate::{
     notes::ILLUSTRATIVE,
     options::{PictureOptions, Projection, Sky, Style},
     projection::{COMPASS, View},
-    realistic::MIDDLE_GREY_LUMINANCE_CD_M2,
+    realistic::{MIDDLE_GREY_LUMINANCE_CD_M2, camera_settings},
     text::{Align, Pen},
 };
 use image::{Rgb, RgbImage};
@@ -127,7 +127,10 @@ pub(crate) fn draw_strip(
             let grey = MIDDLE_GREY_LUMINANCE_CD_M2 / exposure_ev.exp2();
             let left = 10.0 * scale;
             let top = options.height_px as f32;
-            let exposure = format!("exposure {exposure_ev:+.1} EV: middle grey is {grey:.2e} cd/m²");
+            let settings = format!("exposure {exposure_ev:+.1} EV, as {}", camera_settings(exposure_ev));
+            let more = format!("{settings}: middle grey is {grey:.2e} cd/m²");
+            let fits = left + pen.width_px(&more) < canvas.width() as f32;
+            let exposure = if fits { more } else { settings };
             pen.draw(canvas, &exposure, (left, top + 10.0 * scale), Align::Left, LABEL_RGB);
             pen.draw(canvas, light(options.sky), (left, top + 32.0 * scale), Align::Left, LABEL_RGB);
             Ok(())

@@ -9444,7 +9444,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
@@ -9949,7 +9949,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
@@ -10435,7 +10435,7 @@ export interface operations {
                 min?: string;
                 /** @description Larger end of the colour scale; default 0.1 cd m⁻² or 25 mag arcsec⁻². Allowed: 1e-9 to 1e6 cd/m2, or -5 to 40 mag/arcsec2, above min. */
                 max?: string;
-                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic. Allowed: -12 to 12 EV. Default: 0. */
+                /** @description Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200. Allowed: -12 to 12 EV. Default: 0. */
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;

@@ -1,16 +1,17 @@
 // The sky as the eye sees it: mesopic brightness (CIE 191:2010, MES-2), the response of photoreceptors (Naka and Rushton 1966) adapted to
-// the sky and shown before a dark surround (Bartleson and Breneman 1967), colour that fades to blue-grey where cones see nothing
-// (Jensen et al. 2000). The server's `eye` is the authority, and
+// the sky, though never wholly (equivalent background, Crawford 1947), and shown before a dark surround (Bartleson and Breneman 1967),
+// colour that fades to blue-grey where cones see nothing (Jensen et al. 2000). The server's `eye` is the authority, and
 // `shaders/light.glsl` has the same for points and discs.
 
 import type { FourValues } from "./compact.ts";
 import { encodeSrgb, SRGB_FROM_XYZ, type Three } from "./srgb.ts";
 
 const RESPONSE_EXPONENT = 0.73;
-/** Half of the brightest response is at so many times the luminance adapted to, cd m⁻², to this power: by eye, so that a dark sky is
- * near-black, a city's a dark grey and dusk a middle tone. */
-const ADAPTATION_SCALE = 1.3;
-const ADAPTATION_EXPONENT = 0.7;
+/** Half of the brightest response is at the luminance adapted to, cd m⁻², to this power: by eye, so that a dark sky is near-black, a
+ * city's a dark grey and dusk a middle tone. */
+const ADAPTATION_EXPONENT = 0.8;
+/** What an eye saw before acts like a background of this luminance: it is never wholly adapted to the dark, and a darker sky looks darker. */
+const EQUIVALENT_BACKGROUND_CD_M2 = 0.0025;
 /** No eye adapts to less. */
 const DARKEST_CD_M2 = 1e-4;
 /** Of contrast: 1.5 is what a picture in the dark needs, and the rest is by eye, so that the Milky Way stands out as it does outside. */
@@ -59,11 +60,15 @@ export function dazzle(luminanceCdM2: number, veilCdM2: number): number {
   return 1 + veilCdM2 / Math.max(luminanceCdM2 - veilCdM2, DARK_CD_M2);
 }
 
+/** What an exposure makes of half of the brightest response, to the power of the response: a factor. */
+export function exposedScale(exposureEv: number): number {
+  return 2 ** (-exposureEv * RESPONSE_EXPONENT);
+}
+
 /** What an eye adapted to a luminance has as half of the brightest response, to the power of its response. */
 export function halfPower(exposureEv: number, adaptationCdM2: number): number {
-  return (
-    ((ADAPTATION_SCALE * Math.max(adaptationCdM2, DARKEST_CD_M2) ** ADAPTATION_EXPONENT) / 2 ** exposureEv) ** RESPONSE_EXPONENT
-  );
+  const background = Math.max(adaptationCdM2, DARKEST_CD_M2) + EQUIVALENT_BACKGROUND_CD_M2;
+  return exposedScale(exposureEv) * background ** (ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
 }
 
 /** Linear sRGB, 0 to 1, of X, Y, Z and scotopic luminance, cd m⁻². */

@@ -2,7 +2,7 @@
 
 import { isOfLight } from "./colour-maps.ts";
 import type { Disc } from "./compact.ts";
-import { CONE_TABLE, coneTable, dazzle, halfPower } from "./eye.ts";
+import { CONE_TABLE, coneTable, dazzle, exposedScale } from "./eye.ts";
 import { colourTexture, floatTexture, landTexture, Program } from "./gl.ts";
 import { HALO_DEG, illuminanceOf } from "./glare.ts";
 import type { SkyGrid } from "./grid.ts";
@@ -220,7 +220,7 @@ export class GpuPainter {
     gl.uniform1f(program.place("focal_px"), height / 2 / Math.tan((gaze.fieldDeg / 2) * RADIANS));
     gl.uniform1i(program.place("finish"), isOfLight(colours) ? FINISHES.indexOf(colours) : FINISHES.indexOf("table"));
     const isEye = colours === "eye";
-    gl.uniform1f(program.place("exposure"), isEye ? halfPower(exposureEv, 1) : referenceCdM2(exposureEv));
+    gl.uniform1f(program.place("exposure"), isEye ? exposedScale(exposureEv) : referenceCdM2(exposureEv));
     gl.uniform1f(program.place("adaptation"), adaptationCdM2 ?? 0);
     return program;
   }

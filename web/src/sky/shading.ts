@@ -15,7 +15,7 @@ const DARKEST = 1e-9;
 export const TABLE_SIZE = 1024;
 /** Ground that hides the sky: brown-grey, and by night darker than any sky, as in the server's pictures. */
 export const GROUND_RGB = [58, 54, 49] as const;
-export const DARK_GROUND_RGB = [4, 5, 6] as const;
+export const DARK_GROUND_RGB = [2, 2, 3] as const;
 /** What a picture shows, and how. */
 export interface PictureLook {
   sky: SkyKind;

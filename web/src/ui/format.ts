@@ -14,6 +14,13 @@ export function fixed(value: number, decimals: number): string {
   return decimal(value.toFixed(decimals));
 }
 
+/** A time as cameras have it: 1/4 s, 15 s, 2 min. */
+export function exposureTime(seconds: number): string {
+  const digits = (value: number) => decimal(value.toFixed(value < 9.95 ? 1 : 0).replace(/\.0$/, ""));
+  if (seconds < 0.7) return `1/${Math.round(1 / seconds)} s`;
+  return seconds < 59.5 ? `${digits(seconds)} s` : `${digits(seconds / 60)} min`;
+}
+
 /** A text whose numbers stay on one line with their units. */
 export function unbroken(text: string): string {
   return text.replaceAll(/(\d) (?=%|km|mag|h |min)/g, "$1\u00a0");

@@ -4,12 +4,13 @@ import { words } from "../language/words.ts";
 import { isOfLight, type PictureStyle } from "../sky/colour-maps.ts";
 import type { SkyKind } from "../sky/grid.ts";
 import type { ProjectionName } from "../sky/projection.ts";
+import { exposureTimeS } from "../sky/realistic.ts";
 import { type BrightnessUnit, unitFor } from "../sky/units.ts";
 import { hasLand, landCdM2Of, sceneOf, seenOf } from "../state/app-state.ts";
 import type { AppStore } from "../state/app-store.ts";
 import type { LandKind } from "../state/view-state.ts";
 import { byId } from "./dom.ts";
-import { decimal } from "./format.ts";
+import { decimal, exposureTime } from "./format.ts";
 import { wireGroup } from "./group.ts";
 
 export function mountPictureControls(store: AppStore): void {
@@ -46,11 +47,15 @@ export function mountPictureControls(store: AppStore): void {
     keep.hidden = colours !== "eye" || panorama === null;
     keep.setAttribute("aria-pressed", String(adaptationCdM2 !== null));
   });
-  store.watch(["exposureEv"], ({ exposureEv }) => {
+  store.watch(["colours", "exposureEv"], ({ colours, exposureEv }) => {
     exposure.value = String(exposureEv);
+    const { cameraTime, cameraWhy } = words().sky;
+    const isCamera = colours === "realistic";
     const stops = `${exposureEv > 0 ? "+" : ""}${decimal(exposureEv)} EV`;
-    byId("exposure-value", HTMLOutputElement).value = stops;
-    exposure.setAttribute("aria-valuetext", stops);
+    const told = isCamera ? `${stops}: ${cameraTime(exposureTime(exposureTimeS(exposureEv)))}` : stops;
+    byId("exposure-value", HTMLOutputElement).value = told;
+    byId("exposure-field", HTMLElement).title = isCamera ? cameraWhy : "";
+    exposure.setAttribute("aria-valuetext", told);
   });
 }
 

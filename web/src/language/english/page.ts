@@ -116,6 +116,8 @@ export const page = {
     eye: "as the eye sees it",
     realistic: "as a camera sees it",
     exposure: "Exposure",
+    cameraTime: (time: string) => `ISO 3200, f/2, ${time}`,
+    cameraWhy: "A camera set like this shows the same. A stop (EV) more is twice the time.",
     keepAdaptation: "Keep the eye as it is",
     keepAdaptationWhy:
       "The eye adapts to the sky it sees. Kept as it is, it shows other skies beside this one in their true relation.",

@@ -110,6 +110,8 @@ export const page: PageWords = {
     eye: "wie das Auge",
     realistic: "wie eine Kamera",
     exposure: "Belichtung",
+    cameraTime: (time) => `ISO 3200, f/2, ${time}`,
+    cameraWhy: "Eine Kamera mit dieser Einstellung zeigt das Gleiche. Eine Blendenstufe (EV) mehr ist die doppelte Zeit.",
     keepAdaptation: "Auge so lassen",
     keepAdaptationWhy:
       "Das Auge stellt sich auf den Himmel ein, den es sieht. Bleibt es, wie es ist, zeigt es andere Himmel im wahren Verhältnis zu diesem.",

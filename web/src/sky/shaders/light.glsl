@@ -6,10 +6,22 @@ const int EYE = 2;
 const vec3 LUMINANCE_WEIGHTS = vec3(0.2126, 0.7152, 0.0722);
 /** XYZ from linear sRGB primaries, D65 (IEC 61966-2-1), inverted. */
 const mat3 SRGB_FROM_XYZ = mat3(3.2404542, -0.969266, 0.0556434, -1.5371385, 1.8760108, -0.2040259, -0.4985314, 0.041556, 1.0572252);
+/** The same for a camera whose white is that of 4 200 K. */
+const mat3 CAMERA_FROM_XYZ = mat3(3.0537492, -1.0011991, 0.0862492, -1.7256532, 1.9840248, -0.251268, -0.482897, 0.0275717, 1.6848894);
+/** The film: contrast, shoulder, and what is white, in times middle grey. */
+const float MIDDLE_GREY = 0.18;
+const float FILM_CONTRAST = 1.15;
+const float FILM_SHOULDER = 0.85;
+const float FILM_WHITE = 1024.0;
+const float WHITE_POWER = pow(FILM_WHITE, FILM_CONTRAST);
+const float WHITE_SHOULDER = pow(WHITE_POWER, FILM_SHOULDER);
+const float FILM_SLOPE = (WHITE_POWER * MIDDLE_GREY - 1.0) / ((WHITE_SHOULDER - 1.0) * MIDDLE_GREY);
+const float FILM_TOE = (WHITE_SHOULDER - WHITE_POWER * MIDDLE_GREY) / ((WHITE_SHOULDER - 1.0) * MIDDLE_GREY);
 /** V'(555 nm). */
 const float SCOTOPIC_AT_555_NM = 683.0 / 1699.0;
 const float RESPONSE_EXPONENT = 0.73;
-const float ADAPTATION_EXPONENT = 0.7;
+const float ADAPTATION_EXPONENT = 0.8;
+const float EQUIVALENT_BACKGROUND = 0.0025;
 const float DARKEST = 1e-4;
 const float CONTRAST_EXPONENT = 2.0;
 /** X and Z over Y of what rods alone see: chromaticity (0.271, 0.276). */
@@ -23,7 +35,7 @@ const float TABLE_RATIO_LOG2 = 3.0;
 uniform sampler2D cone_table;
 
 uniform int finish;
-/** Of the eye, what the exposure makes of half of the brightest to the power of its response; of the film, the luminance that counts as 1. */
+/** Of the eye, what the exposure makes of half of the brightest to the power of its response; of the film, the luminance of middle grey. */
 uniform float exposure;
 /** Luminance that the eye is adapted to. */
 uniform float adaptation;
@@ -50,7 +62,7 @@ float dazzle(float luminance, float veil) {
 vec3 seen_by_eye(vec4 light, float dazzled) {
   vec2 seen = mesopic(light.y, light.w);
   float power = pow(max(seen.x, 1e-30), RESPONSE_EXPONENT);
-  float half_power = exposure * pow(max(adaptation * dazzled, DARKEST), ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
+  float half_power = exposure * pow(max(adaptation * dazzled, DARKEST) + EQUIVALENT_BACKGROUND, ADAPTATION_EXPONENT * RESPONSE_EXPONENT);
   float shown = pow(power / (power + half_power), CONTRAST_EXPONENT);
   vec3 rods = mix(RODS, WHITE, seen.y);
   vec3 cones = light.y > 0.0 ? light.xyz / light.y : rods;
@@ -70,11 +82,12 @@ vec3 filmed(vec3 linear) {
   vec3 inside = max(grey + saturation * (linear - grey), 0.0);
   float brightest = max(inside.x, max(inside.y, inside.z));
   if (brightest <= 0.0) return vec3(0.0);
-  float shown = 1.0 - exp(-brightest);
+  float power = pow(min(brightest, FILM_WHITE), FILM_CONTRAST);
+  float shown = power / (FILM_SLOPE * pow(power, FILM_SHOULDER) + FILM_TOE);
   return shown * mix(inside / brightest, vec3(1.0), pow(shown, 4.0));
 }
 
 /** What X, Y, Z and scotopic light look like where the eye is dazzled so many times. */
 vec3 shown_light(vec4 light, float dazzled) {
-  return encoded(finish == EYE ? seen_by_eye(light, dazzled) : filmed(SRGB_FROM_XYZ * light.xyz / exposure));
+  return encoded(finish == EYE ? seen_by_eye(light, dazzled) : filmed(CAMERA_FROM_XYZ * light.xyz / exposure));
 }

@@ -117,8 +117,9 @@ async fn multiple_scattering_is_brighter() {
 async fn ground_is_seen_in_its_light() {
     let server = EndToEnd::shared().await;
     let drawn = async |ground: &str| {
-        // Where no lamps are.
-        let look = "lat=46.53&lon=8.61&height=20&projection=perspective&elevation=0&style=eye&legend=off";
+        // Where no lamps are, and starlit ground is all but black.
+        let look =
+            "lat=46.53&lon=8.61&height=20&projection=perspective&elevation=0&style=eye&exposure=2&legend=off";
         let size = "width=128&height_px=96";
         let path = format!("/api/v1/scenes/demo/panorama.png?{look}&{size}&ground={ground}");
         let answer = server.get(&path).await;
