@@ -124,6 +124,21 @@ impl SourceFacts {
         self.kinds_under(cloud_base_m).map(|kind| kind.scattering.name()).collect::<Vec<_>>().join(", ")
     }
 
+    /// What may be asked for in the place of clouds that there are no packs for, and what makes those.
+    pub fn allowed_clouds(&self, base_m: u32) -> String {
+        let bases_m = self.cloud_bases_m().iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        if bases_m.is_empty() {
+            format!(
+                "none: no packs under clouds are resident; `skyglow precompute --turbidity 2.5 --cloud-base {base_m}` \
+                 makes one"
+            )
+        } else {
+            format!(
+                "none, {bases_m}; `skyglow precompute --turbidity 2.5 --cloud-base {base_m}` makes a pack for this base"
+            )
+        }
+    }
+
     /// Bases of the layers of cloud that there are packs for, metres, ascending.
     pub fn cloud_bases_m(&self) -> Vec<u32> {
         let mut bases_m: Vec<u32> = self.kinds.iter().filter_map(KindFacts::cloud_base_m).collect();

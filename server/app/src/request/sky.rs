@@ -281,13 +281,7 @@ fn read_clouds(reader: &mut Reader, facts: &SourceFacts) -> Option<Option<u32>> 
     if facts.best_kind(Some(base_m)).is_some() {
         return Some(Some(base_m));
     }
-    let bases_m: Vec<String> = facts.cloud_bases_m().iter().map(u32::to_string).collect();
-    let allowed = match bases_m.as_slice() {
-        [] => "none: no packs under clouds are resident; `skyglow precompute --cloud-base` makes them"
-            .to_owned(),
-        bases_m => format!("none, {}", bases_m.join(", ")),
-    };
-    reader.fail(&p::CLOUDS, ValidationCode::NotResident, None, Some(allowed));
+    reader.fail(&p::CLOUDS, ValidationCode::NotResident, None, Some(facts.allowed_clouds(base_m)));
     None
 }
 

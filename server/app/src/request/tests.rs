@@ -135,7 +135,7 @@ fn what_is_not_resident_is_said_to_be_so() {
 fn clouds_are_those_that_are_resident() {
     let errors = read("lat=-1&lon=36&clouds=1500").unwrap_err().field_errors().to_vec();
     assert_eq!((errors[0].parameter.as_str(), errors[0].code), ("clouds", ValidationCode::NotResident));
-    assert!(errors[0].allowed.contains("precompute --cloud-base"), "{errors:?}");
+    assert!(errors[0].allowed.contains("precompute --turbidity 2.5 --cloud-base 1500`"), "{errors:?}");
     let mut facts = facts();
     let under = |base_m, scattering, range| KindFacts {
         clouds: Some(Clouds::new(base_m, 0.5).unwrap()),
@@ -153,7 +153,10 @@ fn clouds_are_those_that_are_resident() {
     // The best resident is that of a clear sky, whatever comes after it.
     assert_eq!(read("").unwrap().0.scattering, Scattering::Single);
     for (query, allowed) in [
-        ("&clouds=1500", "none, 1000, 2000"),
+        (
+            "&clouds=1500",
+            "none, 1000, 2000; `skyglow precompute --turbidity 2.5 --cloud-base 1500` makes a pack for this base",
+        ),
         ("&clouds=low", "none, or a whole number from 200 to 12000 m"),
         ("&clouds=100", "none, or a whole number from 200 to 12000 m"),
         ("&clouds=1000.5", "none, or a whole number from 200 to 12000 m"),

@@ -67,6 +67,14 @@ export const server: ServerWords = {
     ["is not a whole number", "ist keine ganze Zahl"],
     // What is allowed.
     ["{} with {} scattering under clouds at {} m", "{} bei {} Streuung unter Wolken in {} m Höhe"],
+    [
+      "none: no packs under clouds are resident; `skyglow precompute --turbidity 2.5 --cloud-base {}` makes one",
+      "none: dieser Server hat keine Tabellen unter Wolken; `skyglow precompute --turbidity 2.5 --cloud-base {}` macht eine",
+    ],
+    [
+      "none, {}; `skyglow precompute --turbidity 2.5 --cloud-base {}` makes a pack for this base",
+      "none, {}; `skyglow precompute --turbidity 2.5 --cloud-base {}` macht die Tabelle für diese Höhe",
+    ],
     ["{} with {} scattering", "{} bei {} Streuung"],
     ["multiple", "mehrfacher"],
     ["single", "einfacher"],
