@@ -43,10 +43,12 @@ make_part() { # make_part PART TURBIDITIES_ON_DISK
 make_part celestial "$celestial"
 make_part lamps "$lamps"
 
-# The overcast sky that comes with the project.
-overcast=precomputed/turbidity-2.50-multiple-clouds-1500.skyglow
-if [ "$which" = all ] || [ ! -f "$overcast" ]; then
-    echo "precomputed/: making the overcast sky" >&2
-    rm -f "$overcast"
-    "$skyglow" precompute --turbidity 2.5 --cloud-base 1500 --out precomputed
-fi
+# The overcast skies that come with the project.
+for base_m in 800 1500 3000; do
+    overcast="precomputed/turbidity-2.50-multiple-clouds-$base_m.skyglow"
+    if [ "$which" = all ] || [ ! -f "$overcast" ]; then
+        echo "precomputed/: making the overcast sky under clouds at $base_m m" >&2
+        rm -f "$overcast"
+        "$skyglow" precompute --turbidity 2.5 --cloud-base "$base_m" --out precomputed
+    fi
+done

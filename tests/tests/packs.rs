@@ -1,15 +1,20 @@
 //! Nothing lies in precomputed/ without a manifest that rebuilds it.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "what cannot be set up fails the test")]
 
+use serde_json::Value;
 use skyglow_tests::{
     packs::{Entry, MAX_TOTAL_BYTES, listed_turbidities, violations},
     tree,
 };
 use std::collections::BTreeMap;
 
+/// Bases of the overcast skies that come with the project, metres.
+const CLOUD_BASES_M: [u32; 3] = [800, 1_500, 3_000];
+
 /// Packs of other kinds, which whoever runs the program made for himself; git does not keep them either.
 fn is_own(name: &str) -> bool {
-    let is_shipped = name.starts_with("turbidity-2.50-multiple-clouds-1500.");
+    let of_base = |base_m: u32| name.starts_with(&format!("turbidity-2.50-multiple-clouds-{base_m}."));
+    let is_shipped = CLOUD_BASES_M.into_iter().any(of_base);
     name.contains("-single.") || name.contains("-clouds-") && !is_shipped || name.ends_with(".partial")
 }
 
@@ -45,19 +50,41 @@ fn git_ignores_packs_of_other_kinds() {
         ("turbidity-2.50-single.skyglow", true),
         ("turbidity-2.50-multiple-clouds-1400.json", true),
         ("turbidity-2.50-multiple-clouds-1500.json", false),
+        ("turbidity-2.50-multiple-clouds-300.json", true),
+        ("turbidity-2.50-multiple-clouds-3000.skyglow", false),
         ("turbidity-2.50-multiple.skyglow", false),
         ("turbidity-2.20-multiple.skyglow", false),
     ] {
         assert_eq!(is_own(name), own, "{name}");
     }
-    for pattern in [
-        "/precomputed/*-single.*",
-        "/precomputed/*-clouds-*",
-        "!/precomputed/turbidity-2.50-multiple-clouds-1500.*",
-        "/precomputed/.*.partial/",
-    ] {
+    let overcast =
+        CLOUD_BASES_M.map(|base_m| format!("!/precomputed/turbidity-2.50-multiple-clouds-{base_m}.*"));
+    let others = ["/precomputed/*-single.*", "/precomputed/*-clouds-*", "/precomputed/.*.partial/"];
+    for pattern in overcast.iter().map(String::as_str).chain(others) {
         assert!(kept.lines().any(|line| line == pattern), "{pattern}");
     }
+}
+
+/// Overcast skies of every base come with the project, with axes alike.
+#[test]
+fn overcast_skies_of_three_bases_come_along() {
+    let entries = entries();
+    let manifest = |base_m: u32| -> Value {
+        let name = format!("turbidity-2.50-multiple-clouds-{base_m}.json");
+        serde_json::from_str(entries[&name].text.as_ref().unwrap()).unwrap()
+    };
+    let first = manifest(CLOUD_BASES_M[0]);
+    for base_m in CLOUD_BASES_M {
+        let manifest = manifest(base_m);
+        assert_eq!(manifest["clouds"]["base_m"], base_m);
+        for alike in ["basis_count", "ground_albedo", "scattering"] {
+            assert_eq!(manifest[alike], first[alike], "{base_m} {alike}");
+        }
+        assert_eq!(manifest["axes"]["distance_m"], first["axes"]["distance_m"], "{base_m}");
+    }
+    let bases_m = CLOUD_BASES_M.map(|base_m| base_m.to_string()).join(" ");
+    let made = tree::text("scripts/make_packs.sh");
+    assert!(made.contains(&format!("for base_m in {bases_m}; do")), "{made}");
 }
 
 /// The listed turbidities cover one and a half to six.

@@ -12,7 +12,7 @@
 //! lower of source and observer. Under the open sky Δ₀ is the first up to some 80 km, where both are some hundred metres apart
 //! at most, and the second from 100 km on, where the lowest row is so far above the ground that the shadow's edge is no kink. Behind a skyline it is where the skyline's cone meets the observer.
 
-use crate::clouds::{Clouds, altitudes_below, clamped_geometry};
+use crate::clouds::{Clouds, MAX_DISTANCES, clamped_geometry, observers_below};
 use serde::{Deserialize, Serialize};
 use skyglow_physics::{
     CloudBase,
@@ -178,9 +178,13 @@ impl TableAxes {
         }
     }
 
-    /// The same below a layer of cloud.
+    /// The same below a layer of cloud, with fewer points.
     pub fn below(self, clouds: Clouds) -> Self {
-        Self { observer_altitude_m: altitudes_below(&self.observer_altitude_m, clouds), ..self }
+        Self {
+            distance_m: logarithmic(self.distance_m.len().min(MAX_DISTANCES)),
+            observer_altitude_m: observers_below(&self.observer_altitude_m, clouds),
+            ..self
+        }
     }
 
     /// Few points, made in seconds: for tests of everything but accuracy.

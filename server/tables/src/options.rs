@@ -48,6 +48,8 @@ impl BasisCount {
     /// Those of the packs that come with the program: of 8, 16, 32, 64, 80, 96 and 112 the smallest with which skies of every class
     /// hold their limits, but for two by a hundredth part (`docs/notebook/2026-11-27.md`).
     pub const SHIPPED: Self = Self { clean: 112, hazy: 96 };
+    /// Those of packs under clouds, which send all light back from above, smoothly (`docs/notebook/2026-11-29.md`).
+    pub const UNDER_CLOUDS: Self = Self::same(64);
     /// Highest turbidity of clean air.
     const CLEAN: f64 = 2.0;
 

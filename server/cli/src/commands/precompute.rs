@@ -48,7 +48,7 @@ pub(crate) struct Precompute {
     /// Folder of the pack and its manifest [default: where `serve` looks for packs]
     #[arg(long, env = "SKYGLOW_OUT", value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of basis functions, a multiple of 4 [default: as the packs that come with the program: 112 up to turbidity 2, else 96]
+    /// Number of basis functions, a multiple of 4 [default: as the packs that come with the program: 112 up to turbidity 2, else 96; under clouds 64]
     #[arg(long, env = "SKYGLOW_BASIS", value_name = "M", value_parser = multiple_of_4)]
     basis: Option<usize>,
 }
@@ -139,10 +139,11 @@ impl Precompute {
         }
         let first = self.turbidity.first().copied().unwrap_or_default();
         let full = PrecomputeOptions::full(first);
+        let usual = if self.cloud_base.is_some() { BasisCount::UNDER_CLOUDS } else { full.basis_count };
         let options = PrecomputeOptions {
             scattering,
             multiple: self.ground_albedo.map_or(full.multiple, MultipleAxes::full),
-            basis_count: self.basis.map_or(full.basis_count, BasisCount::same),
+            basis_count: self.basis.map_or(usual, BasisCount::same),
             ..full
         };
         let Some(base_m) = self.cloud_base else { return Ok(options) };

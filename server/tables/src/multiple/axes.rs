@@ -2,7 +2,7 @@
 
 use crate::{
     axes::logarithmic,
-    clouds::{Clouds, altitudes_below, clamped_below_clouds_m},
+    clouds::{Clouds, MIN_SOURCE_M, altitudes_below, clamped_below_clouds_m},
     layout::IMAGE_COUNT,
 };
 use serde::{Deserialize, Serialize};
@@ -89,10 +89,11 @@ impl MultipleAxes {
 
     /// The same below a layer of cloud.
     pub fn below(self, clouds: Clouds) -> Self {
-        // Grounds below the sea stay, and so does the sea.
+        // Grounds below the sea stay as far down as sources are, and so does the sea.
+        let lowest = self.ground_altitude_m.partition_point(|&ground_m| ground_m < MIN_SOURCE_M);
         let sea = self.ground_altitude_m.partition_point(|&ground_m| ground_m < 0.0);
         let (below_sea_m, clear_m) = self.ground_altitude_m.split_at(sea);
-        let ground_altitude_m = [below_sea_m, &altitudes_below(clear_m, clouds)].concat();
+        let ground_altitude_m = [&below_sea_m[lowest..], &altitudes_below(clear_m, clouds)].concat();
         Self { ground_altitude_m, ..self }
     }
 

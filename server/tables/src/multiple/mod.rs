@@ -316,7 +316,7 @@ mod tests {
         }
         let clouds = Clouds::new(1_000, 0.5).unwrap();
         let below = MultipleAxes::full(0.15).below(clouds);
-        assert!(below.ground_altitude_m[2] == -450.0 && below.ground_altitude_m[3] == 0.0);
+        assert!(below.ground_altitude_m[1] == -450.0 && below.ground_altitude_m[2] == 0.0);
         for ground in 0..below.ground_altitude_m.len() {
             let offsets_m = below.offsets_over_m(ground, Some(clouds.base()));
             assert!(offsets_m.windows(2).all(|pair| pair[0] < pair[1]) && offsets_m.contains(&0.0));

@@ -1,0 +1,1 @@
+export{t as SkyView}from"./sky-view-JKR4t4XX.js";
