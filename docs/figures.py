@@ -162,7 +162,7 @@ def gallery():
     see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", **{**look, **params}), words)
     dark = "2026-08-12T19:00:00Z"
     made = ask("POST", f"{API}/scenes/{SCENE}/plans", json={"method": "target", "max_cut": 0.7, "sites": [{**place, "reduce_by": 0.5}]}).json()
-    lamps = {"time": dark, "adaptation": 0.002}
+    lamps = {"time": dark, "adaptation": 0.004}
     side_by_side("gallery", [
         [see("new Moon", time=dark), see("half Moon", time="2026-08-20T18:00:00Z"), see("dusk", time="2026-08-12T16:12:00Z"),
          see("full Moon", time="2026-08-27T19:00:00Z")],

@@ -97,7 +97,7 @@ test("the Moon's picture is the server's", async () => {
   await context.close();
 });
 
-/** The eye follows the sky, or stays as it is: then a darker sky is darker. */
+/** A darker place looks darker to an eye that follows the sky, and darker still to one that stays as it is. */
 test("the eye can be kept as it is", async () => {
   const { beside, town } = here;
   const opened = await openPage(browser, fragment(town, "&colours=eye&sky=total"));
@@ -109,6 +109,7 @@ test("the eye can be kept as it is", async () => {
       copy.drawImage(canvas, -Math.round(canvas.width * 0.45), -Math.round(canvas.height * 0.4));
       return [...copy.getImageData(0, 0, 1, 1).data];
     });
+  const ofTown = await middle();
   const keep = page.locator("#keep-adaptation");
   await keep.click();
   await page.waitForSelector("#keep-adaptation[aria-pressed=true]");
@@ -124,6 +125,7 @@ test("the eye can be kept as it is", async () => {
   assert.equal(inLink(page, "adaptation"), null);
   const following = await middle();
   assert.ok(following[2] > withKept[2] + 5, `${following} and ${withKept}`);
+  assert.ok(ofTown[1] > following[1] + 3, `${ofTown} and ${following}`);
   assertNoFaults(opened);
   await context.close();
 });

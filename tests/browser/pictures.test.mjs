@@ -67,6 +67,7 @@ test("the realistic picture is the server's", async () => {
       `${exposure} EV: black`,
     );
   }
+  assert.equal(await page.locator("#exposure-value").textContent(), "+3 EV: ISO 3200, f/2, 2 min");
   await shot(page, "realistic");
   const png = await page.locator("#download-links a").first().getAttribute("href");
   assert.match(png, /style=realistic&exposure=3/);
