@@ -26,6 +26,7 @@ export function mountPageStatus(store: AppStore): void {
     numbers.setAttribute("aria-busy", String(isBusy));
   });
   // Until the sky of a link's place is there, or it is clear that none comes, what lies below it is not shown: it would jump.
+  body.classList.toggle("opening", store.state.place !== null);
   const parts = ["place", "skyStage", "problem", "isAway"] as const;
   store.watch(parts, ({ place, skyStage, problem, isAway }) => {
     if (place === null || skyStage !== "none" || problem !== null || isAway) body.classList.remove("opening");
