@@ -58,13 +58,15 @@ impl ObservatorySource {
     }
 
     /// The same where packs were left out: what they alone could serve is refused.
+    ///
+    /// * `celestial`: the name of a celestial table for which all of them are.
     #[must_use]
-    pub fn without_packs(mut self, left_out: &[LeftOutPack]) -> Self {
+    pub fn without_packs(mut self, left_out: &[LeftOutPack], celestial: Option<String>) -> Self {
         let kinds = &self.observatory.engine().info().kinds;
         for (facts, kind) in self.facts.kinds.iter_mut().zip(kinds) {
             facts.unserved = LeftOutPack::unserved(kind, left_out);
         }
-        self.left_out_packs = left_out.iter().map(|pack| pack.name.clone()).collect();
+        self.left_out_packs = left_out.iter().map(|pack| pack.name.clone()).chain(celestial).collect();
         self
     }
 

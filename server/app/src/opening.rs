@@ -39,14 +39,22 @@ pub struct LoadedEngine {
     manifests: Vec<Manifest>,
     left_out: Vec<LeftOutPack>,
     celestial: Option<CelestialTables>,
+    refused_celestial: Option<String>,
 }
 
-/// The celestial tables beside packs. Skies without a time need none, so one that is refused is only logged.
-fn celestial_tables(packs: &Path) -> Option<CelestialTables> {
-    CelestialTables::open(packs).unwrap_or_else(|error| {
-        tracing::warn!("no sky of a time is served: {error}");
-        None
-    })
+/// The celestial tables beside packs, or the name of a file that is refused. Skies without a time need none, so that is only told.
+fn celestial_tables(packs: &Path) -> (Option<CelestialTables>, Option<String>) {
+    CelestialTables::open(packs).map_or_else(
+        |error| {
+            tracing::warn!("no sky of a time is served: {error}");
+            let name = match &error {
+                RenderError::Tables(error) => error.file_name(),
+                _ => None,
+            };
+            (None, Some(name.unwrap_or_else(|| "celestial tables".to_owned())))
+        },
+        |tables| (tables, None),
+    )
 }
 
 impl LoadedEngine {
@@ -74,7 +82,8 @@ impl LoadedEngine {
             tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
         }
         let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
-        Ok(Self { engine, manifests, left_out, celestial: celestial_tables(packs) })
+        let (celestial, refused_celestial) = celestial_tables(packs);
+        Ok(Self { engine, manifests, left_out, celestial, refused_celestial })
     }
 
     /// Bytes of main memory that packs and celestial tables take, with what is kept of them.
@@ -107,7 +116,7 @@ impl LoadedEngine {
         sizes: &CacheSizes,
         max_places: usize,
     ) -> ObservatorySource {
-        let Self { engine, manifests, left_out, celestial } = self;
+        let Self { engine, manifests, left_out, celestial, refused_celestial } = self;
         let has_limits = !changes.has_no_limits();
         let mut observatory =
             Observatory::with_changes(engine, manifests, data, OPEN_SCENE_COUNT, changes, sizes);
@@ -122,6 +131,6 @@ impl LoadedEngine {
             std::thread::spawn(move || crate::stored::read_index(&changes));
         }
         let source = ObservatorySource::new(Arc::new(observatory));
-        source.with_max_places(max_places).without_packs(&left_out)
+        source.with_max_places(max_places).without_packs(&left_out, refused_celestial)
     }
 }

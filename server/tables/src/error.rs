@@ -50,6 +50,14 @@ pub enum TablesError {
 }
 
 impl TablesError {
+    /// The name of the file that is refused; None where it is no file's fault.
+    pub fn file_name(&self) -> Option<String> {
+        let (Self::Io { path, .. } | Self::Refused { path, .. } | Self::Manifest { path, .. }) = self else {
+            return None;
+        };
+        Some(path.file_name()?.to_string_lossy().into_owned())
+    }
+
     pub(crate) fn io(path: &std::path::Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, source }

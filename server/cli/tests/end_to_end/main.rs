@@ -206,6 +206,11 @@ fn what_is_damaged_is_left_out_of_service() {
         std::fs::write(path, bytes).unwrap();
     };
     flip(&packs.join("turbidity-3.00-single.skyglow"));
+    let ours = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+    for name in ["turbidity-2.00-celestial.skyglow", "turbidity-2.00-celestial.json"] {
+        std::fs::copy(ours.join(name), packs.join(name)).unwrap();
+    }
+    flip(&packs.join("turbidity-2.00-celestial.skyglow"));
     flip(&data.join("scenes/broken/light.bin"));
     let arguments =
         ["--packs", text(&packs), "--device", "cpu", "--no-demo", "--log-client-address", "truncated"];
@@ -218,7 +223,8 @@ fn what_is_damaged_is_left_out_of_service() {
         }
         std::thread::sleep(std::time::Duration::from_millis(20));
     };
-    assert_eq!(ready["packs_left_out"], serde_json::json!(["turbidity-3.00-single.skyglow"]), "{ready}");
+    let left_out = ["turbidity-3.00-single.skyglow", "turbidity-2.00-celestial.skyglow"];
+    assert_eq!(ready["packs_left_out"], serde_json::json!(left_out), "{ready}");
     assert_eq!(ready["scenes_left_out"], serde_json::json!(["broken"]), "{ready}");
     let scenes = server.get("/api/v1/scenes").json();
     let ids: Vec<&Value> = scenes.as_array().unwrap().iter().map(|scene| &scene["id"]).collect();
