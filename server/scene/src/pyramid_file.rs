@@ -5,7 +5,8 @@
 //! asks for. Several processes on one machine share what is read.
 //!
 //! The file is not listed among those of the scene: like skylines that are made by tile it is made again where it is missing, of
-//! another version or damaged. Numbers are as the machine has them.
+//! another version or cut short. Its arrays are checked by who reads the file through ([`verify`], a server after its start), not by
+//! who opens it. Numbers are as the machine has them.
 //!
 //! Layout: a header of [`Header::bytes`] bytes, behind it the arrays, each at a multiple of [`ALIGNMENT`]: grid and mask as sections
 //! (`sections.rs`), then codes, radiances and altitudes of the pixels, then codes and blocks of each level.
@@ -24,7 +25,7 @@ use std::io::{BufWriter, Read, Write};
 use std::ops::Range;
 use std::os::unix::fs::{FileExt, PermissionsExt};
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Its name.
 pub(crate) const PYRAMID_FILE: &str = "pyramid.bin";
@@ -34,6 +35,9 @@ pub(crate) const MIN_LIGHTS: u64 = 1 << 20;
 /// Begins the file; as a number it tells the order of bytes.
 const MAGIC: u64 = 0x0001_4452_5950_4753;
 const FILE_MODE: u32 = 0o640;
+/// Begins the names of files that are being written, and how long nobody writes one that is not left over.
+const UNFINISHED: &str = ".pyramid-";
+const STALE_AFTER: Duration = Duration::from_secs(600);
 const ALIGNMENT: usize = 64;
 const VERSION_BYTES: usize = 32;
 /// Grid and mask, and codes, radiances and altitudes of pixels.
@@ -114,6 +118,17 @@ impl Header {
     }
 }
 
+/// Removes what writers that were killed left long ago.
+fn clear_stale(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_ours = entry.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let written = entry.metadata().and_then(|found| found.modified());
+        if is_ours && written.is_ok_and(|at| at.elapsed().is_ok_and(|age| age > STALE_AFTER)) {
+            let _best_effort = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Stores the lights of a scene in its folder.
 pub(crate) fn write(
     folder: &Path,
@@ -142,7 +157,8 @@ pub(crate) fn write(
         arrays: arrays.iter().map(|array| (array.len(), blake3::hash(array))).collect(),
     };
     let mode = Permissions::from_mode(FILE_MODE);
-    let file = tempfile::Builder::new().permissions(mode).tempfile_in(folder)?;
+    clear_stale(folder);
+    let file = tempfile::Builder::new().prefix(UNFINISHED).permissions(mode).tempfile_in(folder)?;
     let mut writer = BufWriter::new(file);
     let bytes = header.write();
     writer.write_all(&bytes)?;

@@ -1,8 +1,8 @@
 //! Scenes on disk: `<data>/scenes/<id>/` with `metadata.json`, `light.bin`, and, where there are any, `terrain.bin`,
 //! `skylines.bin` (not in scenes of format 1) and `places.json`.
 //!
-//! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; all are checked
-//! when a scene is opened. A scene appears by one rename, so it is complete or absent.
+//! `metadata.json` names each file with its length and BLAKE3 hash, and itself by `version`; what is read
+//! when a scene is opened is checked. A scene appears by one rename, so it is complete or absent.
 //!
 //! The lights of a large scene stay in a file too, one that is made when the scene is first opened (`pyramid_file.rs`).
 //!
@@ -208,7 +208,7 @@ impl SceneStore {
         Ok(2 * of_files + LightCount { lit, blocks: lit / 2, skylines: 0 }.scene_bytes())
     }
 
-    /// Opens a scene, every file of it checked against its hash. One that is replaced or removed meanwhile is the new one, or none.
+    /// Opens a scene; files that are read whole are checked against their hashes, of those that stay on disk the length. One that is replaced or removed meanwhile is the new one, or none.
     ///
     /// # Errors
     /// [`SceneError::UnknownScene`]; [`SceneError::Damaged`] naming the file; [`SceneError::Io`].
