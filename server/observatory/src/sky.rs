@@ -92,6 +92,8 @@ pub struct RenderContext {
     pub local_optical_depth: [f64; BAND_COUNT],
     /// Upward flux within 300 km, DNB watts, calibration included.
     pub flux_dnb_w: f64,
+    /// How far the observer is above the lights nearby, metres, by what they do; below 0 where those are higher, 0 without any.
+    pub above_lights_m: f64,
     /// Basis functions used.
     pub basis_count: usize,
     /// Where a tolerance was given, the bound of the difference to the sky of all functions

@@ -16,11 +16,14 @@ use skyglow_render::{
     request::{RenderRequest, Rendered},
     truncation::BasisChooser,
 };
-use skyglow_scene::{Ground, PolarGrid, Scene};
+use skyglow_scene::{Ground, PolarGrid, Scene, ring_distance_m};
 use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
+
+/// Lights as far away are nearby, metres.
+const NEARBY_M: f64 = 5_000.0;
 
 /// The light around a place that has one kind of fixture.
 pub(crate) type FixtureLight = (Fixture, Arc<PolarGrid>);
@@ -98,6 +101,21 @@ impl Surroundings {
         LampPreset::ALL.into_iter().filter(|lamp| not_met.contains(lamp)).collect()
     }
 
+    /// How far the eye is above the lights nearby, in the mean by flux over the squared distance, metres; 0 without any.
+    fn above_lights_m(&self) -> f64 {
+        let cells = self.lights.iter().flat_map(|(_, polar)| &polar.cells);
+        let (weights, altitudes_m) = cells
+            .map(|cell| (cell, ring_distance_m(cell.ring as usize)))
+            .filter(|(_, distance_m)| *distance_m <= NEARBY_M)
+            .map(|(cell, distance_m)| {
+                (f64::from(cell.flux_dnb_w) / distance_m.powi(2), f64::from(cell.altitude_m))
+            })
+            .fold((0.0, 0.0), |(sum, altitudes), (weight, altitude_m)| {
+                (sum + weight, altitudes + weight * altitude_m)
+            });
+        if weights > 0.0 { self.altitude_m - altitudes_m / weights } else { 0.0 }
+    }
+
     /// What the numbers of an answer depend on beside the request.
     pub(crate) fn context(
         &self,
@@ -113,6 +131,7 @@ impl Surroundings {
             calibration: self.calibration,
             local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(self.altitude_m),
             flux_dnb_w: self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum(),
+            above_lights_m: self.above_lights_m(),
             basis_count,
             basis_error_bound,
             dark: dark_sky(tables, request.turbidity, self.altitude_m),

@@ -2,6 +2,10 @@
 //!
 //! Zero is a measurement (dark ground); no-data and NaN are none.
 
+use crate::grid::Grid;
+use crate::sections::{Flaw, Sections};
+use std::borrow::Cow;
+
 /// Blocks of the coarse counts are 2^BLOCK_SHIFT pixels a side.
 const BLOCK_SHIFT: u32 = 4;
 
@@ -71,6 +75,21 @@ impl ValidMask {
             && row_start.windows(2).all(|w| w[0] <= w[1])
             && runs.iter().all(|r| r[0] < r[1] && r[1] <= width);
         whole.then(|| Self { width, height, row_start, runs, coarse: Vec::new() }.finish())
+    }
+
+    /// The sections `row_start` and `runs`.
+    pub(crate) fn to_sections(&self) -> [(String, Cow<'_, [u8]>); 2] {
+        [
+            ("row_start".into(), Cow::Borrowed(bytemuck::cast_slice(&self.row_start))),
+            ("runs".into(), Cow::Borrowed(bytemuck::cast_slice(&self.runs))),
+        ]
+    }
+
+    /// Undoes [`Self::to_sections`], for a grid.
+    pub(crate) fn from_sections(sections: &Sections<'_>, grid: &Grid) -> Result<Self, Flaw> {
+        let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
+        Self::from_parts(grid.width, grid.height, row_start, runs)
+            .ok_or_else(|| "holds a mask that contradicts itself".to_owned())
     }
 
     /// The parts to store: row starts and runs.

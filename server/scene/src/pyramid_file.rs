@@ -32,7 +32,7 @@ pub(crate) const PYRAMID_FILE: &str = "pyramid.bin";
 /// Scenes with fewer lights are opened in tenths of a second, and stay in memory.
 pub(crate) const MIN_LIGHTS: u64 = 1 << 20;
 
-/// Begins the file; as a number it tells the order of bytes.
+/// Begins the file; as a number it tells the order of bytes. The lowest byte counts layouts, and ways in which blocks are summed up.
 const MAGIC: u64 = 0x0001_4452_5950_4753;
 const FILE_MODE: u32 = 0o640;
 /// Begins the names of files that are being written, and how long nobody writes one that is not left over.
@@ -136,10 +136,8 @@ pub(crate) fn write(
     (grid, mask): (&Grid, &ValidMask),
     lights: &Lights,
 ) -> std::io::Result<()> {
-    let (row_start, runs) = mask.parts();
-    let mut frame = grid_sections::to_sections(grid, "");
-    frame.push(("row_start".into(), Cow::Borrowed(bytemuck::cast_slice(row_start))));
-    frame.push(("runs".into(), Cow::Borrowed(bytemuck::cast_slice(runs))));
+    let mut frame: Vec<(String, Cow<'_, [u8]>)> = grid_sections::to_sections(grid, "");
+    frame.extend(mask.to_sections());
     let frame = sections::pack(&frame)?;
     let pixels = &lights.pixels;
     let mut arrays: Vec<&[u8]> = vec![
@@ -216,9 +214,7 @@ fn read_frame(bytes: &[u8], hash: &blake3::Hash) -> Result<(Grid, ValidMask), Fl
     }
     let sections = Sections::parse(bytes)?;
     let grid = grid_sections::from_sections(&sections, "")?;
-    let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
-    let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
-        .ok_or("holds a mask that contradicts itself")?;
+    let mask = ValidMask::from_sections(&sections, &grid)?;
     Ok((grid, mask))
 }
 

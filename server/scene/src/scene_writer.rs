@@ -53,7 +53,6 @@ fn json<T: Serialize>(value: &T, path: &Path) -> Result<Vec<u8>, SceneError> {
 }
 
 fn light_bytes(scene: &Scene) -> Result<Vec<u8>, std::io::Error> {
-    let (row_start, runs) = scene.mask.parts();
     let mut parts = grid_sections::to_sections(&scene.grid, "");
     parts.push((
         "codes".into(),
@@ -67,8 +66,7 @@ fn light_bytes(scene: &Scene) -> Result<Vec<u8>, std::io::Error> {
         "altitude".into(),
         Cow::Borrowed(bytemuck::cast_slice(&scene.first_layer().lights.pixels.altitude_m)),
     ));
-    parts.push(("row_start".into(), Cow::Borrowed(bytemuck::cast_slice(row_start))));
-    parts.push(("runs".into(), Cow::Borrowed(bytemuck::cast_slice(runs))));
+    parts.extend(scene.mask.to_sections());
     sections::pack(&parts)
 }
 

@@ -439,8 +439,6 @@ fn read_light(sections: &Sections<'_>) -> Result<StoredLight, Flaw> {
     if !pixels.is_consistent(&grid) {
         return Err("holds pixels that contradict each other".to_owned());
     }
-    let (row_start, runs) = (sections.numbers("row_start")?, sections.numbers("runs")?);
-    let mask = ValidMask::from_parts(grid.width, grid.height, row_start, runs)
-        .ok_or("holds a mask that contradicts itself")?;
+    let mask = ValidMask::from_sections(sections, &grid)?;
     Ok(StoredLight { grid, mask, pixels })
 }

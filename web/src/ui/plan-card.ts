@@ -2,6 +2,7 @@
 
 import { urlOf } from "../api/client.ts";
 import type { DimmedPixel, NamedPlace, Plan } from "../api/types.ts";
+import { isSamePlace } from "../data/darker-session.ts";
 import { placeWords } from "../language/words.ts";
 import type { Lights } from "../lights/lights.ts";
 import { LISTED_PIXELS } from "../lights/plan-request.ts";
@@ -70,9 +71,11 @@ export class PlanCard {
     });
   }
 
-  private plan(plan: Plan, { places, comparison, scenario }: Readonly<AppState>): HTMLElement[] {
-    // Skies of the chosen time are those of the picture; a plan's own know no time.
-    const shown = plan.sites.length === 1 && scenario === plan.id ? comparison : null;
+  private plan(plan: Plan, { place, places, comparison, scenario }: Readonly<AppState>): HTMLElement[] {
+    // Skies of the chosen time are those of the picture, where that is of the plan's site; a plan's own know no time.
+    const [site, ...others] = plan.sites.map(({ observer }) => observer);
+    const isHere = place !== null && site !== undefined && others.length === 0 && isSamePlace(site, place);
+    const shown = isHere && scenario === plan.id ? comparison : null;
     const sites = plan.sites.flatMap((site) => {
       const { before: skyBefore, after: skyAfter } = shown ?? { before: site.sky_before, after: site.sky_after };
       const numbers = make(

@@ -270,7 +270,8 @@ fn sky_warnings(
     let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
     let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
     let high = high_warning(context.altitude_m, facts);
-    let words = [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request)];
+    let low = above_lights_warning(request.cloud_base_m, context.above_lights_m);
+    let words = [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request), low];
     words.into_iter().flatten().chain(lamps).collect()
 }
 
@@ -327,6 +328,19 @@ fn cloud_warning(request: &SkyRequest) -> Option<String> {
     Some(said.to_owned())
 }
 
+/// Above the lights nearby by more than this, metres, tables under clouds are too dark (`docs/accuracy.md#overcast`).
+const TOO_DARK_ABOVE_M: f64 = 100.0;
+
+/// What is said where tables under clouds are known to be wrong.
+fn above_lights_warning(cloud_base_m: Option<u32>, above_lights_m: f64) -> Option<String> {
+    cloud_base_m?;
+    (above_lights_m > TOO_DARK_ABOVE_M).then(|| {
+        format!(
+            "the observer is {above_lights_m:.0} m above the lights nearby: there, tables under clouds are too dark, by up to 30 %"
+        )
+    })
+}
+
 /// Whether light counts only above the skyline that its source sees towards the observer.
 pub(super) fn hides_lights(terrain_hides: bool, scene: &SceneMetadata, kind: Option<&KindFacts>) -> bool {
     terrain_hides && scene.light_skylines && kind.and_then(|kind| kind.why_open).is_none()
@@ -348,4 +362,19 @@ pub(super) fn open_lights_warning(
         None => return None,
     };
     Some(format!("lights behind ridges count as if they were not: {reason}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// High above near lights tables under clouds are wrong, which is said there alone.
+    #[test]
+    fn who_is_high_above_lights_is_told() {
+        let said = above_lights_warning(Some(800), 248.4).unwrap_or_default();
+        assert!(said.contains("248 m above the lights nearby") && said.contains("too dark"), "{said}");
+        for (cloud_base_m, above_lights_m) in [(None, 248.0), (Some(800), 100.0), (Some(800), -300.0)] {
+            assert_eq!(above_lights_warning(cloud_base_m, above_lights_m), None);
+        }
+    }
 }

@@ -203,6 +203,10 @@ export const server: ServerWords = {
       "natural light comes through the gaps between the clouds, and through the clouds as far as they do not reflect it; there is neither Bortle class nor limiting magnitude",
       "natürliches Licht kommt durch die Lücken zwischen den Wolken und durch die Wolken, soweit sie es nicht zurückwerfen; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
+    [
+      "the observer is {} m above the lights nearby: there, tables under clouds are too dark, by up to 30 %",
+      "der Standort liegt {} m über den Lichtern in der Nähe: dort sind die Tabellen unter Wolken zu dunkel, um bis zu 30 %",
+    ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [
       "the scene was stored before skylines were: ingest it again",
