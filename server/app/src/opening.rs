@@ -117,7 +117,8 @@ impl LoadedEngine {
         max_places: usize,
     ) -> ObservatorySource {
         let Self { engine, manifests, left_out, celestial, refused_celestial } = self;
-        let has_limits = !changes.has_no_limits();
+        // Commands have no limits.
+        let is_server = !changes.has_no_limits();
         let mut observatory =
             Observatory::with_changes(engine, manifests, data, OPEN_SCENE_COUNT, changes, sizes);
         if let Some(tables) = celestial {
@@ -126,7 +127,8 @@ impl LoadedEngine {
         if let Some(shared) = shared {
             observatory = observatory.with_shared_scenes(shared);
         }
-        if has_limits {
+        if is_server {
+            observatory = observatory.with_lights_checked_later();
             let changes = observatory.changes().clone();
             std::thread::spawn(move || crate::stored::read_index(&changes));
         }

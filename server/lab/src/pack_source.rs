@@ -101,3 +101,42 @@ pub fn basis_sample(tables: &ResidentTables, k: usize, row: usize, column: usize
         .sum();
     sum / AZIMUTH_COUNT as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::{
+        Atmosphere, Band, Turbidity,
+        single_source::{SourceGeometry, radiance_per_watt_of},
+    };
+    use skyglow_tables::{Clouds, Pack};
+    use std::path::Path;
+
+    /// Overhead, an observer high above a near light sees the cloud that it lights: the first order, and some more from later ones.
+    /// With every sample of an image weighted alike, packs had a third of it.
+    #[test]
+    fn clouds_over_near_lights_are_bright() {
+        let lambert = [1.0, 0.0, 0.0];
+        for base_m in [800, 1_500, 3_000] {
+            let name = format!("turbidity-2.50-multiple-clouds-{base_m}.skyglow");
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../precomputed");
+            let pack = Pack::open(&folder.join(name)).unwrap();
+            let clouds = Clouds::new(base_m, 0.5).unwrap();
+            let air = Atmosphere::new(Turbidity::new(2.5).unwrap()).under(Some(clouds.base()));
+            for (distance_m, share) in [(250.0, 0.85), (400.0, 0.6), (1_000.0, 0.85), (1_000.0, 0.4)] {
+                let observer_altitude_m = share * clouds.ceiling_m();
+                let geometry = SourceGeometry { distance_m, source_altitude_m: 200.0, observer_altitude_m };
+                let tables = pack.resident(&[distance_m]);
+                let offset_m = 200.0 - observer_altitude_m;
+                let coefficients = coefficients_at(&tables, 0, observer_altitude_m, offset_m, lambert);
+                let of_band = &coefficients[Band::MIDDLE.index()];
+                let functions = of_band.iter().enumerate();
+                let found: f64 = functions.map(|(k, c)| c * basis_sample(&tables, k, 63, 64)).sum();
+                let (azimuth, elevation) = (azimuth_rad(64), skyglow_physics::panorama::elevation_rad(63));
+                let first = radiance_per_watt_of(&air, &geometry, azimuth, elevation, 1e-6);
+                let ratio = found / first[Band::MIDDLE.index()][0];
+                assert!((1.0..1.5).contains(&ratio), "{base_m} {distance_m} {observer_altitude_m}: {ratio}");
+            }
+        }
+    }
+}

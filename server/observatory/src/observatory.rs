@@ -79,6 +79,12 @@ impl Observatory {
         Self { celestial: Some(Arc::new(tables)), ..self }
     }
 
+    /// The same, which opens large scenes before it has read all of them: for who calls [`Self::check_scenes`] while it answers.
+    #[must_use]
+    pub fn with_lights_checked_later(self) -> Self {
+        Self { scenes: self.scenes.with_lights_checked_later(), ..self }
+    }
+
     /// The same with the scenes of a store that servers share.
     #[must_use]
     pub fn with_shared_scenes(self, scenes: SharedScenes) -> Self {

@@ -84,6 +84,11 @@ impl SceneCache {
         }
     }
 
+    /// The same, which opens large scenes before it has checked them: by [`Self::check_lights`].
+    pub(crate) fn with_lights_checked_later(self) -> Self {
+        Self { store: self.store.with_lights_checked_later(), ..self }
+    }
+
     /// Where scenarios and plans are stored.
     pub(crate) fn changes(&self) -> &ChangeStore {
         &self.changes
@@ -245,8 +250,8 @@ impl SceneCache {
     /// Reads the files through that lights of large scenes stay in. A scene with a damaged one is opened anew, which makes the file again.
     pub(crate) fn check_lights(&self, ids: &[SceneId]) {
         for id in ids {
-            if let Err(error) = self.store.verify_lights(id) {
-                tracing::warn!("{error}");
+            if !self.store.verify_lights(id) {
+                tracing::warn!(scene = %id, "the file of its lights was altered (its checksum is wrong): it is made again");
                 self.forget(id);
             }
         }

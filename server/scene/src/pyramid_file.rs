@@ -5,8 +5,10 @@
 //! asks for. Several processes on one machine share what is read.
 //!
 //! The file is not listed among those of the scene: like skylines that are made by tile it is made again where it is missing, of
-//! another version or cut short. Its arrays are checked by who reads the file through ([`verify`], a server after its start), not by
-//! who opens it. Numbers are as the machine has them.
+//! another version, cut short or damaged. Who opens it checks its arrays, all but a server, which answers first and reads the file
+//! through after its start ([`verify`]). Numbers are as the machine has them.
+//!
+//! A file on a network's drive is not mapped ([`stays_mapped`]): where another machine replaces it, who looks into it would be ended.
 //!
 //! Layout: a header of [`Header::bytes`] bytes, behind it the arrays, each at a multiple of [`ALIGNMENT`]: grid and mask as sections
 //! (`sections.rs`), then codes, radiances and altitudes of the pixels, then codes and blocks of each level.
@@ -172,12 +174,33 @@ pub(crate) fn write(
     file.persist(folder.join(PYRAMID_FILE)).map(|_| ()).map_err(|error| error.error)
 }
 
-/// The lights of a scene from the file in its folder; None where there is none of this version, or it is cut short.
-pub(crate) fn open(folder: &Path, version: &str) -> Option<StoredPyramid> {
+/// Kinds of file systems (`statfs(2)`) whose files are on another machine, or may be: NFS, SMB, CIFS, 9P, FUSE.
+const REMOTE_KINDS: [u32; 5] = [0x6969, 0xfe53_4d42, 0xff53_4d42, 0x0102_1997, 0x6573_5546];
+
+/// Whether what is mapped of a folder's files stays there when they are replaced: on this machine's own drives.
+pub(crate) fn stays_mapped(folder: &Path) -> bool {
+    rustix::fs::statfs(folder).is_ok_and(|found| is_local(found.f_type as u32))
+}
+
+fn is_local(kind: u32) -> bool {
+    !REMOTE_KINDS.contains(&kind)
+}
+
+/// The lights of a scene from the file in its folder; None where there is none of this version, it is cut short, or damaged.
+///
+/// * `is_checked`: whether all of it is read and compared with its hashes; else the header and the grid alone.
+pub(crate) fn open(folder: &Path, version: &str, is_checked: bool) -> Option<StoredPyramid> {
     let file = MappedFile::new(&File::open(folder.join(PYRAMID_FILE)).ok()?).ok()?;
     let header = Header::read(file.bytes()).filter(|header| header.version == version)?;
     let places = header.places();
     if places.last()?.end != file.bytes().len() {
+        return None;
+    }
+    let mut arrays = places.iter().zip(&header.arrays);
+    let is_whole = |(place, (_, hash)): (&Range<usize>, &(usize, blake3::Hash))| {
+        blake3::Hasher::new().update_rayon(&file.bytes()[place.clone()]).finalize() == *hash
+    };
+    if is_checked && !arrays.all(is_whole) {
         return None;
     }
     let [frame, codes, radiance, altitude, levels @ ..] = places.as_slice() else { return None };
@@ -218,15 +241,15 @@ fn read_frame(bytes: &[u8], hash: &blake3::Hash) -> Result<(Grid, ValidMask), Fl
     Ok((grid, mask))
 }
 
-/// Reads the file of a folder through, if there is one. One that is damaged is removed, to be made again.
-pub(crate) fn verify(folder: &Path) -> Result<(), Flaw> {
+/// Reads the file of a folder through, if there is one, and says whether it is whole. One that is damaged is removed, to be made again.
+pub(crate) fn verify(folder: &Path) -> bool {
     let path = folder.join(PYRAMID_FILE);
-    let Ok(file) = File::open(&path) else { return Ok(()) };
-    if is_whole(&file) {
-        return Ok(());
+    let Ok(file) = File::open(&path) else { return true };
+    let is_whole = is_whole(&file);
+    if !is_whole {
+        let _best_effort = std::fs::remove_file(&path);
     }
-    let _best_effort = std::fs::remove_file(&path);
-    Err("was altered (its checksum is wrong); it is made again when the scene is next opened".to_owned())
+    is_whole
 }
 
 /// Read, not mapped: what is read through this way is not held. Those who ask for something meanwhile have three quarters of a core.
@@ -250,4 +273,19 @@ fn is_whole(file: &File) -> bool {
         }
         hasher.finalize() == *hash
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ext4, XFS, btrfs, overlay and memory are here; NFS and FUSE may not be.
+    #[test]
+    fn drives_of_other_machines_are_not_mapped() {
+        for kind in [0xef53, 0x5846_5342, 0x9123_683e, 0x794c_7630, 0x0102_1994] {
+            assert!(is_local(kind), "{kind:x}");
+        }
+        assert!(!is_local(0x6969) && !is_local(0x6573_5546));
+        assert!(!stays_mapped(Path::new("/no/such/folder")));
+    }
 }

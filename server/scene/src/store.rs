@@ -41,6 +41,8 @@ pub struct SceneStore {
     scenes_dir: PathBuf,
     /// Lights from which on a scene's stay in a file.
     least_in_file: u64,
+    /// Whether who opens a scene checks that file.
+    checks_lights: bool,
 }
 
 /// A folder for uploaded files.
@@ -71,7 +73,11 @@ pub struct SceneList {
 impl SceneStore {
     /// The scenes of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>) -> Self {
-        Self { scenes_dir: data_dir.as_ref().join("scenes"), least_in_file: pyramid_file::MIN_LIGHTS }
+        Self {
+            scenes_dir: data_dir.as_ref().join("scenes"),
+            least_in_file: pyramid_file::MIN_LIGHTS,
+            checks_lights: true,
+        }
     }
 
     /// The folder that holds one folder for each scene.
@@ -82,6 +88,13 @@ impl SceneStore {
     /// The same, whose scenes keep their lights in a file from so many on ([`Self::new`]: a million).
     pub fn with_lights_in_file(self, least: u64) -> Self {
         Self { least_in_file: least, ..self }
+    }
+
+    /// The same, which opens large scenes without reading all of the file that their lights stay in: for who answers first and
+    /// checks it afterwards by [`Self::verify_lights`].
+    #[must_use]
+    pub fn with_lights_checked_later(self) -> Self {
+        Self { checks_lights: false, ..self }
     }
 
     pub(crate) fn scene_dir(&self, id: &SceneId) -> PathBuf {
@@ -249,13 +262,10 @@ impl SceneStore {
         }
     }
 
-    /// Reads the file through that the lights of a large scene stay in, where there is one. A damaged one is removed: it is made anew
-    /// when the scene is next opened.
-    ///
-    /// # Errors
-    /// [`SceneError::Damaged`], once.
-    pub fn verify_lights(&self, id: &SceneId) -> Result<(), SceneError> {
-        pyramid_file::verify(&self.scene_dir(id)).map_err(damaged(id, pyramid_file::PYRAMID_FILE))
+    /// Reads the file through that the lights of a large scene stay in, and says whether it is whole, or there is none. A damaged one
+    /// is removed: it is made anew when the scene is next opened.
+    pub fn verify_lights(&self, id: &SceneId) -> bool {
+        pyramid_file::verify(&self.scene_dir(id))
     }
 
     fn verify_stored(&self, id: &SceneId, stored: &StoredScene) -> Result<(), SceneError> {
@@ -279,7 +289,9 @@ impl SceneStore {
     /// Whether the lights of a scene stay in a file.
     fn keeps_lights_in_file(&self, stored: &StoredScene) -> bool {
         let metadata = &stored.metadata;
-        metadata.lit_pixels >= self.least_in_file && (!metadata.light_skylines || stored.has_skyline_tiles())
+        metadata.lit_pixels >= self.least_in_file
+            && (!metadata.light_skylines || stored.has_skyline_tiles())
+            && pyramid_file::stays_mapped(&self.scenes_dir)
     }
 
     fn open_stored(&self, id: &SceneId, stored: StoredScene, limit_bytes: u64) -> Result<Scene, SceneError> {
@@ -309,8 +321,10 @@ impl SceneStore {
             read_light(&parsed).map_err(damaged(id, LIGHT_FILE))
         };
         let version = stored.metadata.version.clone();
-        let of_file =
-            self.keeps_lights_in_file(&stored).then(|| pyramid_file::open(&dir, &version)).flatten();
+        let of_file = self
+            .keeps_lights_in_file(&stored)
+            .then(|| pyramid_file::open(&dir, &version, self.checks_lights));
+        let of_file = of_file.flatten();
         let light = match &of_file {
             Some(_) => {
                 check_is_there(id, &stored, &dir.join(LIGHT_FILE))?;
@@ -354,7 +368,7 @@ impl SceneStore {
                 let is_stored = self.keeps_lights_in_file(&stored)
                     && pyramid_file::write(&dir, &version, (&grid, &mask), &lights).is_ok();
                 let in_memory = StoredPyramid { grid, mask, lights };
-                match is_stored.then(|| pyramid_file::open(&dir, &version)).flatten() {
+                match is_stored.then(|| pyramid_file::open(&dir, &version, false)).flatten() {
                     Some(in_file) => in_file,
                     None => in_memory,
                 }

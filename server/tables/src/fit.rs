@@ -3,7 +3,7 @@
 //!
 //! Plain PCA (the paper's Eq. 4) minimises absolute error and is wrong by 70–700 % for a dark place near a
 //! city. Here image n at direction p weighs w = max(x, δ)^−q, x the image over its mean, δ a thousandth of
-//! its zenith or more ([`floor_factor`]): nearly relative error, without wasting functions on what is too dim to see. Elementwise
+//! its zenith or more ([`Floor`]): nearly relative error, without wasting functions on what is too dim to see. Elementwise
 //! weights have no closed form; alternating least squares starts from a PCA of pixel-weighted images and solves
 //! coefficients and functions in turn. One basis serves all bands, lobes and altitudes.
 //!
@@ -13,9 +13,9 @@
 use crate::{
     error::TablesError,
     fit_constants::{
-        ELEVATED_DEG, ELEVATED_FLOOR_FACTOR, FLOOR_OVER_MEAN, FLOOR_OVER_ZENITH, NEAR_SOURCE_OF_COEFFICIENTS,
-        NEAR_SOURCE_OF_FUNCTIONS, ROUNDING_VARIANCE, SHADOW_DEPTH_M, SHADOW_FLOOR_FACTOR, WEIGHT_EXPONENT,
-        ZENITH_BOOST, ZENITH_ROW_COUNT,
+        ELEVATED_DEG, ELEVATED_FLOOR_FACTOR, FLOOR_OVER_MEAN, FLOOR_OVER_ZENITH, NEAR_FLOOR_M,
+        NEAR_SOURCE_OF_COEFFICIENTS, NEAR_SOURCE_OF_FUNCTIONS, OVERCAST_FLOOR_FACTORS, ROUNDING_VARIANCE,
+        SHADOW_DEPTH_M, SHADOW_FLOOR_FACTOR, SPOT_FLOOR, WEIGHT_EXPONENT, ZENITH_BOOST, ZENITH_ROW_COUNT,
     },
     layout::{HALF_COLUMN_COUNT, PIXEL_COUNT},
     manifest::Scattering,
@@ -48,6 +48,15 @@ pub struct Basis {
 static FUNCTION_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_FUNCTIONS));
 /// The same for fitting coefficients.
 static COEFFICIENT_WEIGHTS: LazyLock<Vec<f64>> = LazyLock::new(|| place_weights(NEAR_SOURCE_OF_COEFFICIENTS));
+/// How near the source's azimuth and the horizon a sample is, by [`SPOT_FLOOR`], 0..=1.
+static SPOT: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let [_, row_count, column_count] = SPOT_FLOOR;
+    let near = |p: usize| {
+        let up = (p / HALF_COLUMN_COUNT) as f64 / row_count;
+        (-up * up - (p % HALF_COLUMN_COUNT) as f64 / column_count).exp() as f32
+    };
+    (0..PIXEL_COUNT).map(near).collect()
+});
 
 fn place_weights([boost, row_count, column_count]: [f64; 3]) -> Vec<f64> {
     (0..PIXEL_COUNT)
@@ -68,46 +77,64 @@ fn elevated_share(offset_m: f64, distance_m: f64) -> f64 {
     elevated * elevated / (1.0 + elevated * elevated)
 }
 
-/// How much δ grows for a source: where `scattering` and geometry leave low rows black, they must not decide the fit.
-pub fn floor_factor(scattering: Scattering, offset_m: f64, distance_m: f64) -> f64 {
-    blocked_floor_factor(scattering, offset_m, distance_m, 0.0)
+/// How much δ grows, so that what is dark in one image does not decide a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// In the whole image.
+    pub factor: f64,
+    /// Next to the source's azimuth, besides.
+    pub at_spot: f64,
 }
 
-/// As [`floor_factor`] for a source behind a skyline of `blocking_deg`, whose cone leaves more in the shadow.
-pub fn blocked_floor_factor(
-    scattering: Scattering,
-    offset_m: f64,
-    distance_m: f64,
-    blocking_deg: f64,
-) -> f64 {
-    let elevated = 1.0 + ELEVATED_FLOOR_FACTOR * elevated_share(offset_m, distance_m);
-    match scattering {
-        Scattering::Multiple => elevated,
-        Scattering::Single => {
-            // Height of the source's horizontal plane, or of its skyline's cone, above the observer.
-            let lift_m = distance_m * blocking_deg.to_radians().tan();
-            let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M + lift_m).max(0.0);
-            let depth = depth_m / SHADOW_DEPTH_M;
-            elevated + SHADOW_FLOOR_FACTOR * depth * depth / (1.0 + depth * depth)
+impl Floor {
+    /// Of a source: where `scattering` and geometry leave low rows black, or clouds overhead make them dark beside those.
+    pub fn of(scattering: Scattering, is_overcast: bool, offset_m: f64, distance_m: f64) -> Self {
+        let open = Self::behind_skyline(scattering, offset_m, distance_m, 0.0);
+        if !is_overcast {
+            return open;
         }
+        let [near, below] = OVERCAST_FLOOR_FACTORS;
+        let nearness = 1.0 / (1.0 + (distance_m / NEAR_FLOOR_M).powi(2));
+        let factor = open.factor + near * nearness + below * elevated_share(-offset_m, distance_m);
+        Self { factor, at_spot: SPOT_FLOOR[0] }
+    }
+
+    /// Of a source behind a skyline of `blocking_deg`, whose cone leaves more in the shadow.
+    pub fn behind_skyline(scattering: Scattering, offset_m: f64, distance_m: f64, blocking_deg: f64) -> Self {
+        let elevated = 1.0 + ELEVATED_FLOOR_FACTOR * elevated_share(offset_m, distance_m);
+        let factor = match scattering {
+            Scattering::Multiple => elevated,
+            Scattering::Single => {
+                // Height of the source's horizontal plane, or of its skyline's cone, above the observer.
+                let lift_m = distance_m * blocking_deg.to_radians().tan();
+                let depth_m = (offset_m + 0.5 * distance_m * distance_m / EARTH_RADIUS_M + lift_m).max(0.0);
+                let depth = depth_m / SHADOW_DEPTH_M;
+                elevated + SHADOW_FLOOR_FACTOR * depth * depth / (1.0 + depth * depth)
+            }
+        };
+        Self { factor, at_spot: 0.0 }
     }
 }
 
-/// Weights w of one image (over its mean), one a sample, for a source of that [`floor_factor`], when its coefficients are
-/// sought.
-pub fn sample_weights(shape: &[f32], floor_factor: f64) -> Vec<f32> {
-    weights(shape, floor_factor, &COEFFICIENT_WEIGHTS)
+/// Weights w of one image (over its mean), one a sample, when its coefficients are sought.
+pub fn sample_weights(shape: &[f32], floor: Floor) -> Vec<f32> {
+    weights(shape, floor, &COEFFICIENT_WEIGHTS)
 }
 
-fn weights(shape: &[f32], floor_factor: f64, place_weights: &[f64]) -> Vec<f32> {
+fn weights(shape: &[f32], growth: Floor, place_weights: &[f64]) -> Vec<f32> {
     let zenith_row = &shape[(ELEVATION_COUNT - 1) * HALF_COLUMN_COUNT..];
     let zenith = zenith_row.iter().sum::<f32>() / zenith_row.len() as f32;
-    let floor_over_zenith = FLOOR_OVER_ZENITH * floor_factor as f32;
+    let floor_over_zenith = FLOOR_OVER_ZENITH * growth.factor as f32;
     let floor = (floor_over_zenith * zenith).max(FLOOR_OVER_MEAN);
+    let at_spot = growth.at_spot as f32;
+    let places = place_weights.iter().zip(SPOT.iter());
     shape
         .iter()
-        .zip(place_weights)
-        .map(|(&x, &place)| (f64::from(x.max(floor)).powf(-WEIGHT_EXPONENT) * place) as f32)
+        .zip(places)
+        .map(|(&x, (&place, spot))| {
+            let floor = floor * (1.0 + at_spot * spot);
+            (f64::from(x.max(floor)).powf(-WEIGHT_EXPONENT) * place) as f32
+        })
         .collect()
 }
 
@@ -207,8 +234,8 @@ fn solve_normal_equations(
 pub struct TrainingImage {
     /// Image over its mean, [`PIXEL_COUNT`] samples.
     pub shape: Vec<f32>,
-    /// [`floor_factor`] of its source.
-    pub floor_factor: f64,
+    /// Of its source.
+    pub floor: Floor,
     /// Factor on w.
     pub importance: f64,
 }
@@ -227,7 +254,7 @@ pub fn fit_basis(
     faer::set_global_parallelism(Par::Seq);
     let shapes: Vec<&[f32]> = images.iter().map(|image| image.shape.as_slice()).collect();
     let weights: Vec<Vec<f32>> =
-        images.par_iter().map(|image| weights(&image.shape, image.floor_factor, &FUNCTION_WEIGHTS)).collect();
+        images.par_iter().map(|image| weights(&image.shape, image.floor, &FUNCTION_WEIGHTS)).collect();
     let rms = pixel_rms(&shapes);
     let mut basis = orthonormal(start_by_pca(&shapes, &rms, count), &rms)?;
     advance();

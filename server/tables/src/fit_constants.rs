@@ -44,6 +44,21 @@ pub(crate) const UNIFORM_SHARE_BELOW: f64 = 9.0 / 23.0;
 /// Of its elevated part: highest observer, nearest and farthest source [m], steepest source [degrees].
 pub(crate) const ELEVATED_TRAINING: [f64; 4] = [2_000.0, 700.0, 25_000.0, 16.0];
 
+/// Under clouds a light nearby, and more so below the observer, leaves low rows dark, to a hundredth or thousandth of the lit cloud
+/// overhead. Other lights, farther away, make those rows bright. So δ grows by up to these factors: with the second of a light steeply
+/// below, with the first of one nearer than [`NEAR_FLOOR_M`]. Without them the fit sacrificed the cloud to the dark: skies of
+/// observers high above a town were up to a third too dark (`docs/notebook/2026-11-29.md`).
+pub(crate) const OVERCAST_FLOOR_FACTORS: [f64; 2] = [60.0, 60.0];
+/// Distance at which half of the first counts, metres.
+pub(crate) const NEAR_FLOOR_M: f64 = 2_000.0;
+/// Under clouds, too, functions have next to the source's azimuth the bright spots of lights level with the observer, hundreds of times
+/// the mean of their images: where an image is dark there, a rounded coefficient alone is more light than it has. There δ grows by up to
+/// this factor more, and the rows and columns at which that is 1/e.
+pub(crate) const SPOT_FLOOR: [f64; 3] = [100.0, 3.0, 2.0];
+/// Of the part of the training set that packs under clouds have besides, observers above near lights: nearest and farthest
+/// source, metres.
+pub(crate) const BELOW_TRAINING_M: [f64; 2] = [250.0, 8_000.0];
+
 /// Weight of the `oblique` lobe's images in the fit: sharp edges that take functions from the common lobes.
 pub(crate) const OBLIQUE_IMPORTANCE: f64 = 1.6;
 
@@ -67,6 +82,16 @@ pub struct FitConstants {
     pub floor_in_shadow: [f64; 2],
     /// Relative variance of a coefficient's rounding.
     pub rounding_variance: f64,
+    /// Under clouds, largest growths of δ for a light nearby and for one below the observer; the angle of half of the second is that
+    /// of elevated ones.
+    #[serde(default)]
+    pub floor_overcast: [f64; 2],
+    /// Distance of half of the first, metres.
+    #[serde(default)]
+    pub floor_near_m: f64,
+    /// Under clouds, largest growth of δ next to the source's azimuth, and the rows and columns at which it is 1/e.
+    #[serde(default)]
+    pub floor_at_spot: [f64; 3],
     /// Extra weight next to the source's azimuth, and the rows and columns at which it is 1/e.
     pub near_source: [f64; 3],
     /// The same when coefficients are sought.
@@ -79,6 +104,9 @@ pub struct FitConstants {
     /// Of the elevated part of the training set: highest observer, nearest and farthest source [m], steepest source [degrees].
     #[serde(rename = "raised_training")]
     pub elevated_training: [f64; 4],
+    /// Of the part of the training set with lights close below the observer, under clouds: nearest and farthest source, metres.
+    #[serde(default)]
+    pub below_training_m: [f64; 2],
     /// Weight of the `oblique` lobe's images.
     pub oblique_importance: f64,
     /// Highest observer and source of the low part of the training set, metres.
@@ -94,6 +122,9 @@ impl FitConstants {
             floor_over_zenith: f64::from(FLOOR_OVER_ZENITH),
             floor_over_mean: f64::from(FLOOR_OVER_MEAN),
             floor_elevated: [ELEVATED_FLOOR_FACTOR, ELEVATED_DEG],
+            floor_overcast: OVERCAST_FLOOR_FACTORS,
+            floor_near_m: NEAR_FLOOR_M,
+            floor_at_spot: SPOT_FLOOR,
             floor_in_shadow: [SHADOW_FLOOR_FACTOR, SHADOW_DEPTH_M],
             rounding_variance: ROUNDING_VARIANCE,
             near_source: NEAR_SOURCE_OF_FUNCTIONS,
@@ -101,6 +132,7 @@ impl FitConstants {
             zenith: [ZENITH_BOOST, ZENITH_ROW_COUNT],
             uniform_share_below: UNIFORM_SHARE_BELOW,
             elevated_training: ELEVATED_TRAINING,
+            below_training_m: BELOW_TRAINING_M,
             oblique_importance: OBLIQUE_IMPORTANCE,
             low_altitude_m: LOW_ALTITUDE_M,
         }

@@ -103,6 +103,8 @@ impl PrecomputeOptions {
             axes: self.axes.below(clouds),
             multiple: self.multiple.below(clouds),
             blocked: None,
+            // A part more.
+            training_geometries: self.training_geometries.div_ceil(3) * 4,
             clouds: Some(clouds),
             ..self
         }

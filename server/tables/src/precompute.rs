@@ -9,7 +9,7 @@ use crate::{
     blocked::{BlockedJob, make_blocked},
     checkpoint::Checkpoint,
     error::TablesError,
-    fit::{Basis, Projector, check_half_precision, fit_basis, floor_factor, sample_weights},
+    fit::{Basis, Floor, Projector, check_half_precision, fit_basis, sample_weights},
     images::images_of,
     layout::{IMAGE_COUNT, PIXEL_COUNT, image_index},
     manifest::{MeasuredError, PackParameters},
@@ -269,15 +269,15 @@ fn make_part(
         previous_altitude_m = geometry.source_altitude_m;
         let images = images_of(atmospheres, multiple, &geometry);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
-        let floor_factor = floor_factor(options.scattering, offset_m, distance_m);
+        let floor = Floor::of(options.scattering, cloud.is_some(), offset_m, distance_m);
         for ((part, images), projector) in parts.iter_mut().zip(&images).zip(projectors) {
             for lobe in 0..LOBE_COUNT {
                 let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
                 // The middle image's weights serve all bands: a third of the normal equations, and the mean error
                 // rises by a tenth of itself.
                 let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
-                let rows = projector
-                    .project(&sample_weights(shapes[Band::MIDDLE.index()], floor_factor), &shapes)?;
+                let rows =
+                    projector.project(&sample_weights(shapes[Band::MIDDLE.index()], floor), &shapes)?;
                 for (band, row) in rows.into_iter().enumerate() {
                     check_half_precision(&row)?;
                     part.push(images.log_scale[image_index(lobe, band)] as f32);

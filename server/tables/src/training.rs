@@ -3,8 +3,10 @@
 use crate::{
     axes::{OffsetAxis, TableAxes, clamped_node},
     clouds::clamped_geometry,
-    fit::{TrainingImage, floor_factor},
-    fit_constants::{ELEVATED_TRAINING, LOW_ALTITUDE_M, OBLIQUE_IMPORTANCE, UNIFORM_SHARE_BELOW},
+    fit::{Floor, TrainingImage},
+    fit_constants::{
+        BELOW_TRAINING_M, ELEVATED_TRAINING, LOW_ALTITUDE_M, OBLIQUE_IMPORTANCE, UNIFORM_SHARE_BELOW,
+    },
     images::{SourceImages, images_of},
     layout::PIXEL_COUNT,
     multiple::MultipleTable,
@@ -13,7 +15,7 @@ use crate::{
 use rayon::prelude::*;
 use skyglow_physics::{Atmosphere, BAND_COUNT, Band, LOBE_COUNT, Lobe, single_source::SourceGeometry};
 
-/// Geometries of the training set, in turn uniform over the axes, at low altitudes, and elevated. Sources
+/// Geometries of the training set, in turn uniform over the axes, at low altitudes, elevated, and under clouds close below. Sources
 /// below the sea, above the highest altitude or up an impossible slope are left out: the basis need not serve them. So
 /// are sources at clouds and above.
 pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeometry> {
@@ -22,10 +24,11 @@ pub(crate) fn training_geometries(options: &PrecomputeOptions) -> Vec<SourceGeom
     for i in 1..100 * options.training_geometries {
         // Powers of 1/1.2207…, the three-dimensional golden ratio: R₃, an additive recurrence.
         let spread = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|ratio| (i as f64 * ratio + 0.3).fract());
-        let node = match geometries.len() % 3 {
+        let node = match geometries.len() % if cloud.is_some() { 4 } else { 3 } {
             0 => uniform_node(axes, spread),
             1 => low_node(axes, spread),
-            _ => elevated_node(axes, spread),
+            2 => elevated_node(axes, spread),
+            _ => below_node(axes, spread),
         };
         let geometry = geometry_of(axes, node);
         let (offset_m, distance_m) = offset_and_distance_m(&geometry);
@@ -84,15 +87,31 @@ fn elevated_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
     let [highest_m, nearest_m, farthest_m, steepest_deg] = ELEVATED_TRAINING;
     let observers = axes.observer_altitude_m.partition_point(|&z| z <= highest_m);
     let observer = (spread[0] * observers as f64) as usize;
-    let wanted_m = nearest_m * (farthest_m / nearest_m).powf(spread[1]);
-    let apart = |distance_m: f64| (distance_m / wanted_m).ln().abs();
-    let distance = (0..axes.distance_m.len())
-        .min_by(|&a, &b| apart(axes.distance_m[a]).total_cmp(&apart(axes.distance_m[b])))
-        .unwrap_or_default();
+    let distance = distance_between(axes, [nearest_m, farthest_m], spread[1]);
     let distance_m = axes.distance_m[distance];
     let axis = OffsetAxis::about_shadow_edge(distance_m, axes.offset_count);
     let offset_m = distance_m * (steepest_deg * spread[2]).to_radians().tan();
     (observer, distance, axis.position(offset_m).round() as usize)
+}
+
+/// A node whose source stands close below the observer, between that and the sea: under clouds the observer sees the lit cloud
+/// overhead, and a dark horizon under it.
+fn below_node(axes: &TableAxes, spread: [f64; 3]) -> (usize, usize, usize) {
+    let observer = (1 + (spread[0] * (axes.observer_altitude_m.len() - 1) as f64) as usize)
+        .min(axes.observer_altitude_m.len() - 1);
+    let distance = distance_between(axes, BELOW_TRAINING_M, spread[1]);
+    let axis = OffsetAxis::about_shadow_edge(axes.distance_m[distance], axes.offset_count);
+    let offset_m = -axes.observer_altitude_m[observer] * spread[2];
+    (observer, distance, axis.position(offset_m).round() as usize)
+}
+
+/// The distance nearest to the one at a share 0..1 of the way between two, in logarithms.
+fn distance_between(axes: &TableAxes, [nearest_m, farthest_m]: [f64; 2], share: f64) -> usize {
+    let wanted_m = nearest_m * (farthest_m / nearest_m).powf(share);
+    let apart = |distance_m: f64| (distance_m / wanted_m).ln().abs();
+    (0..axes.distance_m.len())
+        .min_by(|&a, &b| apart(axes.distance_m[a]).total_cmp(&apart(axes.distance_m[b])))
+        .unwrap_or_default()
 }
 
 /// Images at the training geometries, `[geometry][atmosphere]`; `advance` is called once each.
@@ -122,7 +141,7 @@ pub(crate) fn training_set(
     let mut set = Vec::with_capacity(geometries.len() * LOBE_COUNT * 2);
     for (geometry, images) in geometries.iter().zip(images) {
         let (offset_m, distance_m) = offset_and_distance_m(geometry);
-        let floor_factor = floor_factor(options.scattering, offset_m, distance_m);
+        let floor = Floor::of(options.scattering, options.clouds.is_some(), offset_m, distance_m);
         for (lobe, shapes) in
             Lobe::ALL.into_iter().zip(images[turbidity].shape.chunks_exact(BAND_COUNT * PIXEL_COUNT))
         {
@@ -130,7 +149,7 @@ pub(crate) fn training_set(
             let of_band = |band: Band| shapes[band.index() * PIXEL_COUNT..][..PIXEL_COUNT].to_vec();
             set.extend([Band::LONGEST, Band::SHORTEST].map(|band| TrainingImage {
                 shape: of_band(band),
-                floor_factor,
+                floor,
                 importance,
             }));
         }

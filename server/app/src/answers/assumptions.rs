@@ -328,15 +328,15 @@ fn cloud_warning(request: &SkyRequest) -> Option<String> {
     Some(said.to_owned())
 }
 
-/// Above the lights nearby by more than this, metres, tables under clouds are too dark (`docs/accuracy.md#overcast`).
-const TOO_DARK_ABOVE_M: f64 = 100.0;
+/// Above the lights nearby by more than this, metres, low skies of tables under clouds are less exact (`docs/accuracy.md#overcast`).
+const LESS_EXACT_ABOVE_M: f64 = 100.0;
 
-/// What is said where tables under clouds are known to be wrong.
+/// What is said where tables under clouds are known to be less exact.
 fn above_lights_warning(cloud_base_m: Option<u32>, above_lights_m: f64) -> Option<String> {
     cloud_base_m?;
-    (above_lights_m > TOO_DARK_ABOVE_M).then(|| {
+    (above_lights_m > LESS_EXACT_ABOVE_M).then(|| {
         format!(
-            "the observer is {above_lights_m:.0} m above the lights nearby: there, tables under clouds are too dark, by up to 30 %"
+            "the observer is {above_lights_m:.0} m above the lights nearby: there, the lowest 7° of skies under clouds are off by up to a third"
         )
     })
 }
@@ -368,11 +368,11 @@ pub(super) fn open_lights_warning(
 mod tests {
     use super::*;
 
-    /// High above near lights tables under clouds are wrong, which is said there alone.
+    /// High above near lights tables under clouds are less exact, which is said there alone.
     #[test]
     fn who_is_high_above_lights_is_told() {
         let said = above_lights_warning(Some(800), 248.4).unwrap_or_default();
-        assert!(said.contains("248 m above the lights nearby") && said.contains("too dark"), "{said}");
+        assert!(said.contains("248 m above the lights nearby") && said.contains("lowest 7°"), "{said}");
         for (cloud_base_m, above_lights_m) in [(None, 248.0), (Some(800), 100.0), (Some(800), -300.0)] {
             assert_eq!(above_lights_warning(cloud_base_m, above_lights_m), None);
         }

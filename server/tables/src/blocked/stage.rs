@@ -6,7 +6,7 @@ use crate::{
     checkpoint::Checkpoint,
     clouds::clamped_geometry,
     error::TablesError,
-    fit::{Basis, Projector, blocked_floor_factor, check_half_precision, sample_weights},
+    fit::{Basis, Floor, Projector, check_half_precision, sample_weights},
     images::{SourceImages, cloud_over, images_with},
     layout::{IMAGE_COUNT, PIXEL_COUNT, image_index},
     manifest::Scattering,
@@ -151,10 +151,10 @@ fn make_part(
                 _ => images_with(job.atmospheres, &geometry, blocking_deg(angle).to_radians(), &add_later),
             };
             let clamped_offset_m = geometry.source_altitude_m - geometry.observer_altitude_m;
-            let floor_factor =
-                blocked_floor_factor(job.scattering, clamped_offset_m, distance_m, blocking_deg(angle));
+            let floor =
+                Floor::behind_skyline(job.scattering, clamped_offset_m, distance_m, blocking_deg(angle));
             for ((part, open), images) in parts.iter_mut().zip(open).zip(&images) {
-                push_differences(part, job, open, images, floor_factor, observer_m, distance, offset_m)?;
+                push_differences(part, job, open, images, floor, observer_m, distance, offset_m)?;
             }
             last = Some((geometry, images));
         }
@@ -168,7 +168,7 @@ fn push_differences(
     job: &BlockedJob<'_>,
     open: &OpenTables,
     images: &SourceImages,
-    floor_factor: f64,
+    floor: Floor,
     observer_m: f64,
     distance: usize,
     offset_m: f64,
@@ -179,8 +179,7 @@ fn push_differences(
         let shape = |band| &images.shape[image_index(lobe, band) * PIXEL_COUNT..][..PIXEL_COUNT];
         let shapes: [&[f32]; BAND_COUNT] = std::array::from_fn(shape);
         // As in the open tables, the middle image's weights serve all bands.
-        let rows =
-            open.projector.project(&sample_weights(shapes[Band::MIDDLE.index()], floor_factor), &shapes)?;
+        let rows = open.projector.project(&sample_weights(shapes[Band::MIDDLE.index()], floor), &shapes)?;
         for (band, row) in rows.into_iter().enumerate() {
             let image = image_index(lobe, band);
             let open_log = open_sample(&open.tables, observers, image, distance, offset_m, &mut open_shape);

@@ -204,8 +204,8 @@ export const server: ServerWords = {
       "natürliches Licht kommt durch die Lücken zwischen den Wolken und durch die Wolken, soweit sie es nicht zurückwerfen; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
     [
-      "the observer is {} m above the lights nearby: there, tables under clouds are too dark, by up to 30 %",
-      "der Standort liegt {} m über den Lichtern in der Nähe: dort sind die Tabellen unter Wolken zu dunkel, um bis zu 30 %",
+      "the observer is {} m above the lights nearby: there, the lowest 7° of skies under clouds are off by up to a third",
+      "der Standort liegt {} m über den Lichtern in der Nähe: dort stimmen die untersten 7° des Himmels unter Wolken nur bis auf ein Drittel",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [
