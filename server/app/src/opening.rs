@@ -57,6 +57,11 @@ fn celestial_tables(packs: &Path) -> (Option<CelestialTables>, Option<String>) {
     )
 }
 
+/// Whether a pack under clouds was fitted as before the lit cloud counted more than the dark horizon below it.
+fn has_dark_clouds(manifest: &Manifest) -> bool {
+    manifest.clouds.is_some() && manifest.parameters.fit.floor_overcast == [0.0; 2]
+}
+
 impl LoadedEngine {
     /// An engine over the packs of a folder; takes a second or two.
     ///
@@ -80,6 +85,13 @@ impl LoadedEngine {
         let UndamagedTables { tables, manifests, left_out } = found?;
         for pack in &left_out {
             tracing::warn!(pack = pack.name, "a damaged pack is left out: {}", pack.reason);
+        }
+        for old in manifests.iter().filter(|manifest| has_dark_clouds(manifest)) {
+            tracing::warn!(
+                turbidity = old.turbidity,
+                "a pack under clouds of an earlier program: high above near lights it is up to 30 % too dark; make it again: {}",
+                old.command
+            );
         }
         let engine = Engine::start(EngineConfig { device, tables, ..EngineConfig::default() })?;
         let (celestial, refused_celestial) = celestial_tables(packs);

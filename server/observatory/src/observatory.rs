@@ -188,8 +188,7 @@ impl Observatory {
     pub fn check_scenes(&self) -> Result<(), ObservatoryError> {
         let sound = self.scenes.check_all()?;
         self.scenes.open_ahead(&sound);
-        self.scenes.check_lights(&sound);
-        Ok(())
+        Ok(self.scenes.check_lights()?)
     }
 
     /// The scenes known to be damaged, and the number of the others that [`Self::check_scenes`] saw.

@@ -12,8 +12,9 @@ use skyglow_scene::{
     SceneError, SceneId, SceneMetadata, SceneStore,
 };
 use std::{
+    collections::BTreeMap,
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
     time::Duration,
@@ -40,6 +41,10 @@ pub(crate) struct SceneCache {
     open: Cache<(SceneId, Stamp), Arc<Scene>>,
     /// Which of them are damaged.
     health: SceneHealth,
+    /// Whether large scenes are opened before the file of their lights is checked.
+    opens_first: bool,
+    /// Of scenes whose file of lights was read through: in which state, and whether it was whole.
+    lights_seen: Mutex<BTreeMap<SceneId, (Stamp, bool)>>,
     /// Bytes that they may take together, and each of them alone.
     most_bytes: u64,
     /// What one counts at least in `open`.
@@ -77,6 +82,8 @@ impl SceneCache {
                 .eviction_policy(EvictionPolicy::lru())
                 .build(),
             health: SceneHealth::default(),
+            opens_first: false,
+            lights_seen: Mutex::default(),
             most_bytes,
             least_weight: least,
             opening_large: Mutex::new(()),
@@ -86,7 +93,7 @@ impl SceneCache {
 
     /// The same, which opens large scenes before it has checked them: by [`Self::check_lights`].
     pub(crate) fn with_lights_checked_later(self) -> Self {
-        Self { store: self.store.with_lights_checked_later(), ..self }
+        Self { opens_first: true, ..self }
     }
 
     /// Where scenarios and plans are stored.
@@ -247,14 +254,29 @@ impl SceneCache {
         }
     }
 
-    /// Reads the files through that lights of large scenes stay in. A scene with a damaged one is opened anew, which makes the file again.
-    pub(crate) fn check_lights(&self, ids: &[SceneId]) {
-        for id in ids {
-            if !self.store.verify_lights(id) {
-                tracing::warn!(scene = %id, "the file of its lights was altered (its checksum is wrong): it is made again");
-                self.forget(id);
+    /// Reads the files through that lights of large scenes stay in, those that were not yet. A scene with a damaged one is opened anew, which
+    /// makes the file again where it can be written, and is checked by who opens it from then on.
+    ///
+    /// # Errors
+    /// As [`SceneStore::list`].
+    pub(crate) fn check_lights(&self) -> Result<(), SceneError> {
+        for id in self.store.list()?.scenes.into_iter().map(|scene| scene.id) {
+            let Ok(stamp) = self.stamp(&id) else { continue };
+            if self.lights_seen().get(&id).is_some_and(|(of, _)| *of == stamp) {
+                continue;
+            }
+            let is_whole = self.store.verify_lights(&id);
+            self.lights_seen().insert(id.clone(), (stamp, is_whole));
+            if !is_whole {
+                tracing::warn!(scene = %id, "the file of its lights was altered (its checksum is wrong): the lights are read anew");
+                self.forget(&id);
             }
         }
+        Ok(())
+    }
+
+    fn lights_seen(&self) -> MutexGuard<'_, BTreeMap<SceneId, (Stamp, bool)>> {
+        self.lights_seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Whether a scene fits into half of the room for open ones, beside those that are.
@@ -295,7 +317,11 @@ impl SceneCache {
             self.open.run_pending_tasks();
             lock
         });
-        self.store.open_within(id, self.most_bytes)
+        let was_damaged = self.lights_seen().get(id).is_some_and(|(_, is_whole)| !is_whole);
+        match self.opens_first && !was_damaged {
+            true => self.store.clone().with_lights_checked_later().open_within(id, self.most_bytes),
+            false => self.store.open_within(id, self.most_bytes),
+        }
     }
 
     /// Bytes that one open scene may take.

@@ -83,6 +83,44 @@ fn scenes_are_let_go_and_bounded() {
     );
 }
 
+/// A server that opened a scene before it checked the file of its lights finds damage all the same, once, and then has right numbers;
+/// also where the file cannot be made again.
+#[test]
+fn damaged_lights_are_found_after_opening() {
+    let data = tempfile::tempdir().unwrap();
+    let (store, id) = store_lights(data.path());
+    let store = store.with_lights_in_file(1);
+    let whole = store.open(&id).unwrap();
+    let path = store.scenes_dir().join(id.as_str()).join("pyramid.bin");
+    let good = std::fs::read(&path).unwrap();
+    let mut bad = good.clone();
+    // The highest byte of the last number, of a block's altitude or flux.
+    *bad.last_mut().unwrap() ^= 0x40;
+    std::fs::write(&path, &bad).unwrap();
+    let changes = || ChangeStore::new(data.path(), ChangeLimits::none());
+    let [west, south, ..] = whole.metadata().bounds;
+    let place = skyglow_physics::GeoPoint::from_deg(south, west).unwrap();
+    let of = |scene: &Scene| scene.polar_grid_with_ratio(place, false, 0.1);
+    let server =
+        SceneCache::new(store.clone(), changes(), 4, &CacheSizes::most(1 << 30)).with_lights_checked_later();
+    server.scene(&id).unwrap();
+    assert!(std::fs::read(&path).unwrap() == bad, "it is not read when it is opened");
+    assert!(server.check_all().unwrap().is_empty(), "who asked for it has seen that it opens");
+    server.check_lights().unwrap();
+    assert!(!path.exists() && server.len() == 0);
+    assert_eq!(of(&server.scene(&id).unwrap()), of(&whole));
+    assert!(std::fs::read(&path).unwrap() == good);
+    // Damaged anew, it is checked when it is opened.
+    std::fs::write(&path, &bad).unwrap();
+    server.forget(&id);
+    server.scene(&id).unwrap();
+    assert!(std::fs::read(&path).unwrap() == good);
+    // A command checks at once.
+    std::fs::write(&path, &bad).unwrap();
+    SceneCache::new(store, changes(), 4, &CacheSizes::most(1 << 30)).scene(&id).unwrap();
+    assert!(std::fs::read(&path).unwrap() == good);
+}
+
 /// Scenes that together take more than they may leave one another no room.
 #[test]
 fn open_scenes_keep_to_their_memory() {

@@ -94,6 +94,8 @@ pub struct RenderContext {
     pub flux_dnb_w: f64,
     /// How far the observer is above the lights nearby, metres, by what they do; below 0 where those are higher, 0 without any.
     pub above_lights_m: f64,
+    /// Under clouds, the share of the light around, by flux over the squared distance, that is close below their base or above it, 0..=1.
+    pub at_clouds_share: f64,
     /// Basis functions used.
     pub basis_count: usize,
     /// Where a tolerance was given, the bound of the difference to the sky of all functions

@@ -22,6 +22,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+/// Lights that lie less than this below a base of clouds, or above it, metres: within what is summed up as one they are mixed.
+const CLOSE_TO_CLOUDS_M: f64 = 200.0;
 /// Lights as far away are nearby, metres.
 const NEARBY_M: f64 = 5_000.0;
 
@@ -116,6 +118,19 @@ impl Surroundings {
         if weights > 0.0 { self.altitude_m - altitudes_m / weights } else { 0.0 }
     }
 
+    /// Share of the light around, by flux over the squared distance, that is not far below the base of clouds or above it.
+    fn at_clouds_share(&self, cloud_base_m: Option<u32>) -> f64 {
+        let Some(base_m) = cloud_base_m else { return 0.0 };
+        let highest_m = f64::from(base_m) - CLOSE_TO_CLOUDS_M;
+        let cells = self.lights.iter().flat_map(|(_, polar)| &polar.cells);
+        let (close, all) = cells.fold((0.0, 0.0), |(close, all), cell| {
+            let weight = f64::from(cell.flux_dnb_w) / ring_distance_m(cell.ring as usize).powi(2);
+            let is_close = f64::from(cell.altitude_m) > highest_m;
+            (close + if is_close { weight } else { 0.0 }, all + weight)
+        });
+        if all > 0.0 { close / all } else { 0.0 }
+    }
+
     /// What the numbers of an answer depend on beside the request.
     pub(crate) fn context(
         &self,
@@ -132,6 +147,7 @@ impl Surroundings {
             local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(self.altitude_m),
             flux_dnb_w: self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum(),
             above_lights_m: self.above_lights_m(),
+            at_clouds_share: self.at_clouds_share(request.cloud_base_m),
             basis_count,
             basis_error_bound,
             dark: dark_sky(tables, request.turbidity, self.altitude_m),

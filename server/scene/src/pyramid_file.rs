@@ -21,6 +21,7 @@ use crate::light_pyramid::{Block, LightPyramid};
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
 use crate::sections::{self, Flaw, Sections};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fs::{File, Permissions};
 use std::io::{BufWriter, Read, Write};
@@ -174,7 +175,8 @@ pub(crate) fn write(
     file.persist(folder.join(PYRAMID_FILE)).map(|_| ()).map_err(|error| error.error)
 }
 
-/// Kinds of file systems (`statfs(2)`) whose files are on another machine, or may be: NFS, SMB, CIFS, 9P, FUSE.
+/// Kinds of file systems (Linux, `statfs(2)`) that lose a file which another machine replaces while it is open, or may: NFS, SMB,
+/// CIFS, 9P, FUSE. Those of clusters (Lustre, Ceph, GPFS) keep it.
 const REMOTE_KINDS: [u32; 5] = [0x6969, 0xfe53_4d42, 0xff53_4d42, 0x0102_1997, 0x6573_5546];
 
 /// Whether what is mapped of a folder's files stays there when they are replaced: on this machine's own drives.
@@ -190,17 +192,14 @@ fn is_local(kind: u32) -> bool {
 ///
 /// * `is_checked`: whether all of it is read and compared with its hashes; else the header and the grid alone.
 pub(crate) fn open(folder: &Path, version: &str, is_checked: bool) -> Option<StoredPyramid> {
-    let file = MappedFile::new(&File::open(folder.join(PYRAMID_FILE)).ok()?).ok()?;
+    let file = File::open(folder.join(PYRAMID_FILE)).ok()?;
+    if is_checked && !is_whole(&file, None) {
+        return None;
+    }
+    let file = MappedFile::new(&file).ok()?;
     let header = Header::read(file.bytes()).filter(|header| header.version == version)?;
     let places = header.places();
     if places.last()?.end != file.bytes().len() {
-        return None;
-    }
-    let mut arrays = places.iter().zip(&header.arrays);
-    let is_whole = |(place, (_, hash)): (&Range<usize>, &(usize, blake3::Hash))| {
-        blake3::Hasher::new().update_rayon(&file.bytes()[place.clone()]).finalize() == *hash
-    };
-    if is_checked && !arrays.all(is_whole) {
         return None;
     }
     let [frame, codes, radiance, altitude, levels @ ..] = places.as_slice() else { return None };
@@ -245,34 +244,51 @@ fn read_frame(bytes: &[u8], hash: &blake3::Hash) -> Result<(Grid, ValidMask), Fl
 pub(crate) fn verify(folder: &Path) -> bool {
     let path = folder.join(PYRAMID_FILE);
     let Ok(file) = File::open(&path) else { return true };
-    let is_whole = is_whole(&file);
+    // Where it is not mapped nobody looks into it.
+    let is_whole = !stays_mapped(folder) || is_whole(&file, Some(PAUSES));
     if !is_whole {
         let _best_effort = std::fs::remove_file(&path);
     }
     is_whole
 }
 
-/// Read, not mapped: what is read through this way is not held. Those who ask for something meanwhile have three quarters of a core.
-fn is_whole(file: &File) -> bool {
+/// Pauses after each part, in times that it took: those who ask for something meanwhile have three quarters of a core.
+const PAUSES: u32 = 3;
+
+/// Whether the arrays of a file have their hashes. Read, not mapped: what is read through this way is not held, and what a disk cannot
+/// read is an error.
+///
+/// * `pauses`: one array after the other, with as many pauses; without it on all cores.
+fn is_whole(file: &File, pauses: Option<u32>) -> bool {
     let mut start = Vec::new();
     let most = Header::bytes(FIRST_ARRAYS + 2 * MAX_LEVELS) as u64;
     let read = file.take(most).read_to_end(&mut start);
     let Some(header) = read.ok().and_then(|_| Header::read(&start)) else { return false };
-    let mut part = vec![0; PART_BYTES];
-    let mut arrays = header.places().into_iter().zip(&header.arrays);
-    arrays.all(|(place, (_, hash))| {
-        let mut hasher = blake3::Hasher::new();
-        for first in place.clone().step_by(PART_BYTES) {
-            let begun = Instant::now();
-            let part = &mut part[..PART_BYTES.min(place.end - first)];
-            if file.read_exact_at(part, first as u64).is_err() {
-                return false;
-            }
-            hasher.update(part);
-            std::thread::sleep(3 * begun.elapsed());
+    let places = header.places();
+    let arrays = || places.iter().zip(&header.arrays);
+    let has_hash = |(place, (_, hash)): (&Range<usize>, &(usize, blake3::Hash))| {
+        hash_of(file, place, pauses).is_some_and(|found| found == *hash)
+    };
+    match pauses {
+        Some(_) => arrays().all(has_hash),
+        None => arrays().collect::<Vec<_>>().into_par_iter().all(has_hash),
+    }
+}
+
+/// The hash of a part of a file; None where it cannot be read.
+fn hash_of(file: &File, place: &Range<usize>, pauses: Option<u32>) -> Option<blake3::Hash> {
+    let mut hasher = blake3::Hasher::new();
+    let mut part = vec![0; PART_BYTES.min(place.len())];
+    for first in place.clone().step_by(PART_BYTES) {
+        let begun = Instant::now();
+        let part = &mut part[..PART_BYTES.min(place.end - first)];
+        file.read_exact_at(part, first as u64).ok()?;
+        hasher.update(part);
+        if let Some(pauses) = pauses {
+            std::thread::sleep(pauses * begun.elapsed());
         }
-        hasher.finalize() == *hash
-    })
+    }
+    Some(hasher.finalize())
 }
 
 #[cfg(test)]

@@ -291,7 +291,7 @@ impl SceneStore {
         let metadata = &stored.metadata;
         metadata.lit_pixels >= self.least_in_file
             && (!metadata.light_skylines || stored.has_skyline_tiles())
-            && pyramid_file::stays_mapped(&self.scenes_dir)
+            && pyramid_file::stays_mapped(&self.scene_dir(&metadata.id))
     }
 
     fn open_stored(&self, id: &SceneId, stored: StoredScene, limit_bytes: u64) -> Result<Scene, SceneError> {

@@ -136,16 +136,17 @@ fn damage_to_the_file_is_found() {
     let (kept, server) = (in_file(&store), in_file(&store).with_lights_checked_later());
     kept.open(&id).unwrap();
     let whole = std::fs::read(&path).unwrap();
-    // A byte of every array, behind the header of a kilobyte at most.
-    for at in (1_500..whole.len()).step_by(whole.len() / 40).chain([whole.len() - 9]) {
+    // From the header to the end. Padding between arrays, less than 64 bytes of each, is nobody's.
+    let mut found = 0;
+    let places = (0..whole.len()).step_by(whole.len() / 40);
+    for at in places.clone() {
         let mut bytes = whole.clone();
         bytes[at] ^= 1;
         std::fs::write(&path, &bytes).unwrap();
         assert_same(&ingested, &kept.open(&id).unwrap());
-        // Padding between arrays is nobody's.
-        let now = std::fs::read(&path).unwrap();
-        assert!(now == whole || now == bytes, "{at}");
+        found += usize::from(std::fs::read(&path).unwrap() == whole);
     }
+    assert!(found + 2 >= places.count(), "{found}");
     let mut bytes = whole.clone();
     bytes[whole.len() - 9] ^= 1;
     std::fs::write(&path, bytes).unwrap();

@@ -271,7 +271,9 @@ fn sky_warnings(
     let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
     let high = high_warning(context.altitude_m, facts);
     let low = above_lights_warning(request.cloud_base_m, context.above_lights_m);
-    let words = [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request), low];
+    let mixed = at_clouds_warning(context.at_clouds_share);
+    let words =
+        [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request), low, mixed];
     words.into_iter().flatten().chain(lamps).collect()
 }
 
@@ -336,7 +338,21 @@ fn above_lights_warning(cloud_base_m: Option<u32>, above_lights_m: f64) -> Optio
     cloud_base_m?;
     (above_lights_m > LESS_EXACT_ABOVE_M).then(|| {
         format!(
-            "the observer is {above_lights_m:.0} m above the lights nearby: there, the lowest 7° of skies under clouds are off by up to a third"
+            "the observer is {above_lights_m:.0} m above the lights nearby: there, the lowest 10° of skies under clouds are 10 to 30 % off, in single directions up to 90 %"
+        )
+    })
+}
+
+/// From this share of the light around on it matters which of it is above clouds.
+const MUCH_AT_CLOUDS: f64 = 0.02;
+
+/// What is said where lights are at the base of clouds.
+fn at_clouds_warning(at_clouds_share: f64) -> Option<String> {
+    (at_clouds_share > MUCH_AT_CLOUDS).then(|| {
+        format!(
+            "{:.0} % of the light around is at the base of the clouds or above it: what lies close together counts as below or above as \
+             a whole, and the sky can be half too bright or too dark",
+            100.0 * at_clouds_share
         )
     })
 }
@@ -372,9 +388,12 @@ mod tests {
     #[test]
     fn who_is_high_above_lights_is_told() {
         let said = above_lights_warning(Some(800), 248.4).unwrap_or_default();
-        assert!(said.contains("248 m above the lights nearby") && said.contains("lowest 7°"), "{said}");
+        assert!(said.contains("248 m above the lights nearby") && said.contains("lowest 10°"), "{said}");
         for (cloud_base_m, above_lights_m) in [(None, 248.0), (Some(800), 100.0), (Some(800), -300.0)] {
             assert_eq!(above_lights_warning(cloud_base_m, above_lights_m), None);
         }
+        let mixed = at_clouds_warning(0.234).unwrap_or_default();
+        assert!(mixed.starts_with("23 % of the light around"), "{mixed}");
+        assert_eq!(at_clouds_warning(0.01), None);
     }
 }

@@ -160,6 +160,7 @@ impl Reference {
                 .sum(),
             // What it is told for holds of tables.
             above_lights_m: 0.0,
+            at_clouds_share: 0.0,
             basis_count: 0,
             basis_error_bound: None,
             dark: dark_sky(None, request.turbidity, altitude_m),

@@ -229,6 +229,7 @@ impl Fake {
             local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(altitude_m),
             flux_dnb_w: 1e6,
             above_lights_m: 0.0,
+            at_clouds_share: 0.0,
             basis_count: request.basis.unwrap_or(if request.tolerance.is_some() { 16 } else { 64 }),
             basis_error_bound: request.tolerance.map(|tolerance| 0.5 * tolerance),
             dark: dark_sky(None, request.turbidity, altitude_m),

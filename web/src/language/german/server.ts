@@ -204,8 +204,12 @@ export const server: ServerWords = {
       "natürliches Licht kommt durch die Lücken zwischen den Wolken und durch die Wolken, soweit sie es nicht zurückwerfen; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
     [
-      "the observer is {} m above the lights nearby: there, the lowest 7° of skies under clouds are off by up to a third",
-      "der Standort liegt {} m über den Lichtern in der Nähe: dort stimmen die untersten 7° des Himmels unter Wolken nur bis auf ein Drittel",
+      "the observer is {} m above the lights nearby: there, the lowest 10° of skies under clouds are 10 to 30 % off, in single directions up to 90 %",
+      "der Standort liegt {} m über den Lichtern in der Nähe: dort stimmen die untersten 10° des Himmels unter Wolken nur auf 10 bis 30 %, einzelne Richtungen auf 90 %",
+    ],
+    [
+      "{} % of the light around is at the base of the clouds or above it: what lies close together counts as below or above as a whole, and the sky can be half too bright or too dark",
+      "{} % des Lichts der Umgebung liegen an der Wolkenuntergrenze oder darüber: was dicht beieinander liegt, zählt als Ganzes darunter oder darüber, und der Himmel kann um die Hälfte zu hell oder zu dunkel sein",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [

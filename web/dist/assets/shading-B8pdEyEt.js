@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-D48lqIb1.js";
