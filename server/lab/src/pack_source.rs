@@ -113,7 +113,7 @@ mod tests {
     use std::path::Path;
 
     /// Overhead, an observer high above a near light sees the cloud that it lights: the first order, and some more from later ones.
-    /// With every sample of an image weighted alike, packs had a third of it.
+    /// With every sample of an image weighed by its own size alone, packs had a third of it.
     #[test]
     fn clouds_over_near_lights_are_bright() {
         let lambert = [1.0, 0.0, 0.0];
@@ -135,7 +135,7 @@ mod tests {
                 let (azimuth, elevation) = (azimuth_rad(64), skyglow_physics::panorama::elevation_rad(63));
                 let first = radiance_per_watt_of(&air, &geometry, azimuth, elevation, 1e-6);
                 let ratio = found / first[Band::MIDDLE.index()][0];
-                assert!((1.0..1.5).contains(&ratio), "{base_m} {distance_m} {observer_altitude_m}: {ratio}");
+                assert!((1.07..1.25).contains(&ratio), "{base_m} {distance_m} {observer_altitude_m}: {ratio}");
             }
         }
     }

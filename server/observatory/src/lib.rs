@@ -15,6 +15,7 @@ mod influence_cache;
 mod influence_map;
 mod influence_part;
 mod influence_summary;
+mod lights_under_clouds;
 mod map_measure;
 mod natural_places;
 pub mod night_sky;
@@ -47,6 +48,7 @@ pub use influence::{CellInfluence, InfluenceSolver, MeasureOfCells, SeenMeasure,
 pub use influence_map::{InfluenceMap, InfluenceRequest, Measure};
 pub use influence_part::Part;
 pub use influence_summary::{RING_EDGES_M, SECTOR_COUNT};
+pub use lights_under_clouds::LightsUnderClouds;
 pub use map_measure::MapMeasure;
 pub use night_sky::{ComponentSky, NightSky, SkyTime};
 pub use observatory::{OPEN_SCENE_COUNT, Observatory};

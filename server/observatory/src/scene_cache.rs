@@ -319,7 +319,7 @@ impl SceneCache {
         });
         let was_damaged = self.lights_seen().get(id).is_some_and(|(_, is_whole)| !is_whole);
         match self.opens_first && !was_damaged {
-            true => self.store.clone().with_lights_checked_later().open_within(id, self.most_bytes),
+            true => self.store.open_unchecked(id, self.most_bytes),
             false => self.store.open_within(id, self.most_bytes),
         }
     }

@@ -83,8 +83,7 @@ fn scenes_are_let_go_and_bounded() {
     );
 }
 
-/// A server that opened a scene before it checked the file of its lights finds damage all the same, once, and then has right numbers;
-/// also where the file cannot be made again.
+/// A server that opened a scene before it checked the file of its lights finds damage all the same, once, and has right numbers from then on.
 #[test]
 fn damaged_lights_are_found_after_opening() {
     let data = tempfile::tempdir().unwrap();

@@ -2,6 +2,7 @@
 
 use crate::{
     dark_through_gaps::DarkThroughGaps,
+    lights_under_clouds::LightsUnderClouds,
     night_sky::{NightSky, SkyTime},
 };
 use serde::Serialize;
@@ -92,10 +93,8 @@ pub struct RenderContext {
     pub local_optical_depth: [f64; BAND_COUNT],
     /// Upward flux within 300 km, DNB watts, calibration included.
     pub flux_dnb_w: f64,
-    /// How far the observer is above the lights nearby, metres, by what they do; below 0 where those are higher, 0 without any.
-    pub above_lights_m: f64,
-    /// Under clouds, the share of the light around, by flux over the squared distance, that is close below their base or above it, 0..=1.
-    pub at_clouds_share: f64,
+    /// How the lights lie, where tables are of an overcast sky.
+    pub under_clouds: Option<LightsUnderClouds>,
     /// Basis functions used.
     pub basis_count: usize,
     /// Where a tolerance was given, the bound of the difference to the sky of all functions

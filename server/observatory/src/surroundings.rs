@@ -2,6 +2,7 @@
 
 use crate::{
     error::ObservatoryError,
+    lights_under_clouds::LightsUnderClouds,
     night_sky::{NightSky, Overhead, dark_sky},
     scene_view::SceneView,
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
@@ -16,16 +17,11 @@ use skyglow_render::{
     request::{RenderRequest, Rendered},
     truncation::BasisChooser,
 };
-use skyglow_scene::{Ground, PolarGrid, Scene, ring_distance_m};
+use skyglow_scene::{Ground, PolarGrid, Scene};
 use std::{
     sync::Arc,
     time::{Duration, Instant},
 };
-
-/// Lights that lie less than this below a base of clouds, or above it, metres: within what is summed up as one they are mixed.
-const CLOSE_TO_CLOUDS_M: f64 = 200.0;
-/// Lights as far away are nearby, metres.
-const NEARBY_M: f64 = 5_000.0;
 
 /// The light around a place that has one kind of fixture.
 pub(crate) type FixtureLight = (Fixture, Arc<PolarGrid>);
@@ -103,34 +99,6 @@ impl Surroundings {
         LampPreset::ALL.into_iter().filter(|lamp| not_met.contains(lamp)).collect()
     }
 
-    /// How far the eye is above the lights nearby, in the mean by flux over the squared distance, metres; 0 without any.
-    fn above_lights_m(&self) -> f64 {
-        let cells = self.lights.iter().flat_map(|(_, polar)| &polar.cells);
-        let (weights, altitudes_m) = cells
-            .map(|cell| (cell, ring_distance_m(cell.ring as usize)))
-            .filter(|(_, distance_m)| *distance_m <= NEARBY_M)
-            .map(|(cell, distance_m)| {
-                (f64::from(cell.flux_dnb_w) / distance_m.powi(2), f64::from(cell.altitude_m))
-            })
-            .fold((0.0, 0.0), |(sum, altitudes), (weight, altitude_m)| {
-                (sum + weight, altitudes + weight * altitude_m)
-            });
-        if weights > 0.0 { self.altitude_m - altitudes_m / weights } else { 0.0 }
-    }
-
-    /// Share of the light around, by flux over the squared distance, that is not far below the base of clouds or above it.
-    fn at_clouds_share(&self, cloud_base_m: Option<u32>) -> f64 {
-        let Some(base_m) = cloud_base_m else { return 0.0 };
-        let highest_m = f64::from(base_m) - CLOSE_TO_CLOUDS_M;
-        let cells = self.lights.iter().flat_map(|(_, polar)| &polar.cells);
-        let (close, all) = cells.fold((0.0, 0.0), |(close, all), cell| {
-            let weight = f64::from(cell.flux_dnb_w) / ring_distance_m(cell.ring as usize).powi(2);
-            let is_close = f64::from(cell.altitude_m) > highest_m;
-            (close + if is_close { weight } else { 0.0 }, all + weight)
-        });
-        if all > 0.0 { close / all } else { 0.0 }
-    }
-
     /// What the numbers of an answer depend on beside the request.
     pub(crate) fn context(
         &self,
@@ -146,8 +114,10 @@ impl Surroundings {
             calibration: self.calibration,
             local_optical_depth: Atmosphere::new(request.turbidity).vertical_optical_depth(self.altitude_m),
             flux_dnb_w: self.lights.iter().map(|(_, polar)| polar.flux_dnb_w).sum(),
-            above_lights_m: self.above_lights_m(),
-            at_clouds_share: self.at_clouds_share(request.cloud_base_m),
+            under_clouds: request.cloud_base_m.map(|base_m| {
+                let cells = self.lights.iter().flat_map(|(_, polar)| &polar.cells);
+                LightsUnderClouds::of(cells, self.altitude_m, f64::from(base_m))
+            }),
             basis_count,
             basis_error_bound,
             dark: dark_sky(tables, request.turbidity, self.altitude_m),

@@ -193,25 +193,22 @@ fn is_local(kind: u32) -> bool {
 /// * `is_checked`: whether all of it is read and compared with its hashes; else the header and the grid alone.
 pub(crate) fn open(folder: &Path, version: &str, is_checked: bool) -> Option<StoredPyramid> {
     let file = File::open(folder.join(PYRAMID_FILE)).ok()?;
-    if is_checked && !is_whole(&file, None) {
-        return None;
-    }
-    let file = MappedFile::new(&file).ok()?;
-    let header = Header::read(file.bytes()).filter(|header| header.version == version)?;
+    let mapped = MappedFile::new(&file).ok()?;
+    let header = Header::read(mapped.bytes()).filter(|header| header.version == version)?;
     let places = header.places();
-    if places.last()?.end != file.bytes().len() {
+    if places.last()?.end != mapped.bytes().len() || is_checked && !is_whole(&file, None) {
         return None;
     }
     let [frame, codes, radiance, altitude, levels @ ..] = places.as_slice() else { return None };
-    let (grid, mask) = read_frame(&file.bytes()[frame.clone()], &header.arrays[0].1).ok()?;
+    let (grid, mask) = read_frame(&mapped.bytes()[frame.clone()], &header.arrays[0].1).ok()?;
     let pixels = LitPixels {
-        codes: file.array(codes.clone())?,
-        radiance_nw_cm2_sr: file.array(radiance.clone())?,
-        altitude_m: file.array(altitude.clone())?,
+        codes: mapped.array(codes.clone())?,
+        radiance_nw_cm2_sr: mapped.array(radiance.clone())?,
+        altitude_m: mapped.array(altitude.clone())?,
     };
     let level = |pair: &[Range<usize>]| {
         let [codes, blocks] = pair else { return None };
-        Some((file.array::<u64>(codes.clone())?, file.array::<Block>(blocks.clone())?))
+        Some((mapped.array::<u64>(codes.clone())?, mapped.array::<Block>(blocks.clone())?))
     };
     let levels = levels.chunks(2).map(level).collect::<Option<Vec<(Array<u64>, Array<Block>)>>>()?;
     let fits = pixels.codes.len() == pixels.radiance_nw_cm2_sr.len()

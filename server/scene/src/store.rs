@@ -41,8 +41,6 @@ pub struct SceneStore {
     scenes_dir: PathBuf,
     /// Lights from which on a scene's stay in a file.
     least_in_file: u64,
-    /// Whether who opens a scene checks that file.
-    checks_lights: bool,
 }
 
 /// A folder for uploaded files.
@@ -73,11 +71,7 @@ pub struct SceneList {
 impl SceneStore {
     /// The scenes of a data folder; the folder need not exist.
     pub fn new(data_dir: impl AsRef<Path>) -> Self {
-        Self {
-            scenes_dir: data_dir.as_ref().join("scenes"),
-            least_in_file: pyramid_file::MIN_LIGHTS,
-            checks_lights: true,
-        }
+        Self { scenes_dir: data_dir.as_ref().join("scenes"), least_in_file: pyramid_file::MIN_LIGHTS }
     }
 
     /// The folder that holds one folder for each scene.
@@ -88,13 +82,6 @@ impl SceneStore {
     /// The same, whose scenes keep their lights in a file from so many on ([`Self::new`]: a million).
     pub fn with_lights_in_file(self, least: u64) -> Self {
         Self { least_in_file: least, ..self }
-    }
-
-    /// The same, which opens large scenes without reading all of the file that their lights stay in: for who answers first and
-    /// checks it afterwards by [`Self::verify_lights`].
-    #[must_use]
-    pub fn with_lights_checked_later(self) -> Self {
-        Self { checks_lights: false, ..self }
     }
 
     pub(crate) fn scene_dir(&self, id: &SceneId) -> PathBuf {
@@ -234,10 +221,28 @@ impl SceneStore {
     /// # Errors
     /// The same, and [`SceneError::TooLarge`], which is known before the most of them is taken.
     pub fn open_within(&self, id: &SceneId, limit_bytes: u64) -> Result<Scene, SceneError> {
+        self.open_checking(id, limit_bytes, true)
+    }
+
+    /// [`Self::open_within`] without reading all of the file that lights of a large scene stay in: for who answers first and checks that
+    /// afterwards by [`Self::verify_lights`].
+    ///
+    /// # Errors
+    /// As [`Self::open_within`].
+    pub fn open_unchecked(&self, id: &SceneId, limit_bytes: u64) -> Result<Scene, SceneError> {
+        self.open_checking(id, limit_bytes, false)
+    }
+
+    fn open_checking(
+        &self,
+        id: &SceneId,
+        limit_bytes: u64,
+        checks_lights: bool,
+    ) -> Result<Scene, SceneError> {
         let mut stored = self.read_metadata(id)?;
         loop {
             let version = stored.metadata.version.clone();
-            let error = match self.open_stored(id, stored, limit_bytes) {
+            let error = match self.open_stored(id, stored, limit_bytes, checks_lights) {
                 Err(error @ (SceneError::Damaged { .. } | SceneError::Io { .. })) => error,
                 opened => return opened,
             };
@@ -294,7 +299,13 @@ impl SceneStore {
             && pyramid_file::stays_mapped(&self.scene_dir(&metadata.id))
     }
 
-    fn open_stored(&self, id: &SceneId, stored: StoredScene, limit_bytes: u64) -> Result<Scene, SceneError> {
+    fn open_stored(
+        &self,
+        id: &SceneId,
+        stored: StoredScene,
+        limit_bytes: u64,
+        checks_lights: bool,
+    ) -> Result<Scene, SceneError> {
         let check = |needed_bytes: u64| match needed_bytes <= limit_bytes {
             true => Ok(()),
             false => Err(SceneError::TooLarge { scene: id.to_string(), needed_bytes, limit_bytes }),
@@ -321,10 +332,8 @@ impl SceneStore {
             read_light(&parsed).map_err(damaged(id, LIGHT_FILE))
         };
         let version = stored.metadata.version.clone();
-        let of_file = self
-            .keeps_lights_in_file(&stored)
-            .then(|| pyramid_file::open(&dir, &version, self.checks_lights));
-        let of_file = of_file.flatten();
+        let in_file = self.keeps_lights_in_file(&stored);
+        let of_file = in_file.then(|| pyramid_file::open(&dir, &version, checks_lights)).flatten();
         let light = match &of_file {
             Some(_) => {
                 check_is_there(id, &stored, &dir.join(LIGHT_FILE))?;
@@ -365,8 +374,8 @@ impl SceneStore {
                 check(LightCount::of_codes(&pixels.codes, with_skylines).scene_bytes())?;
                 let lights = Lights::new(&grid, pixels, skylines, stored.metadata.calibration);
                 // Where it cannot be stored the lights stay in memory, and it is tried again next time.
-                let is_stored = self.keeps_lights_in_file(&stored)
-                    && pyramid_file::write(&dir, &version, (&grid, &mask), &lights).is_ok();
+                let is_stored =
+                    in_file && pyramid_file::write(&dir, &version, (&grid, &mask), &lights).is_ok();
                 let in_memory = StoredPyramid { grid, mask, lights };
                 match is_stored.then(|| pyramid_file::open(&dir, &version, false)).flatten() {
                     Some(in_file) => in_file,

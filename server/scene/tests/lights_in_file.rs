@@ -133,7 +133,7 @@ fn damage_to_the_file_is_found() {
     let store = TestStore::new();
     let ingested = scene(&store, |light| light, true);
     let (id, path) = (ingested.metadata().id.clone(), file(&store, &ingested));
-    let (kept, server) = (in_file(&store), in_file(&store).with_lights_checked_later());
+    let kept = in_file(&store);
     kept.open(&id).unwrap();
     let whole = std::fs::read(&path).unwrap();
     // From the header to the end. Padding between arrays, less than 64 bytes of each, is nobody's.
@@ -150,11 +150,12 @@ fn damage_to_the_file_is_found() {
     let mut bytes = whole.clone();
     bytes[whole.len() - 9] ^= 1;
     std::fs::write(&path, bytes).unwrap();
-    server.open(&id).unwrap();
+    kept.open_unchecked(&id, u64::MAX).unwrap();
+    assert!(std::fs::read(&path).unwrap() != whole, "it is not read");
     kept.verify(&id).unwrap();
-    assert!(!server.verify_lights(&id));
-    assert!(server.verify_lights(&id));
-    assert_same(&ingested, &server.open(&id).unwrap());
+    assert!(!kept.verify_lights(&id));
+    assert!(kept.verify_lights(&id), "it is gone");
+    assert_same(&ingested, &kept.open_unchecked(&id, u64::MAX).unwrap());
     assert!(std::fs::read(&path).unwrap() == whole);
     // The scene's own file is there all the same.
     let light = path.with_file_name("light.bin");

@@ -7,7 +7,7 @@ use crate::{
 };
 use serde::Serialize;
 use skyglow_observatory::{
-    InfluenceMap, InfluenceRequest, Measure, ObserverHeight, RenderContext, SkyRequest,
+    InfluenceMap, InfluenceRequest, LightsUnderClouds, Measure, ObserverHeight, RenderContext, SkyRequest,
 };
 use skyglow_physics::{
     BAND_COUNT, BrokenClouds, CloudBase, Emission, EmissionKeep, GarstangLaw, Lamp, LampKind, LampPreset,
@@ -270,10 +270,16 @@ fn sky_warnings(
     let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
     let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
     let high = high_warning(context.altitude_m, facts);
-    let low = above_lights_warning(request.cloud_base_m, context.above_lights_m);
-    let mixed = at_clouds_warning(context.at_clouds_share);
-    let words =
-        [coverage_warning(context.coverage), ground, skyline, high, cloud_warning(request), low, mixed];
+    let [above_lights, above_tables] = context.under_clouds.as_ref().map_or([None, None], overcast_warnings);
+    let words = [
+        coverage_warning(context.coverage),
+        ground,
+        skyline,
+        high,
+        cloud_warning(request),
+        above_lights,
+        above_tables,
+    ];
     words.into_iter().flatten().chain(lamps).collect()
 }
 
@@ -333,28 +339,26 @@ fn cloud_warning(request: &SkyRequest) -> Option<String> {
 /// Above the lights nearby by more than this, metres, low skies of tables under clouds are less exact (`docs/accuracy.md#overcast`).
 const LESS_EXACT_ABOVE_M: f64 = 100.0;
 
-/// What is said where tables under clouds are known to be less exact.
-fn above_lights_warning(cloud_base_m: Option<u32>, above_lights_m: f64) -> Option<String> {
-    cloud_base_m?;
-    (above_lights_m > LESS_EXACT_ABOVE_M).then(|| {
-        format!(
-            "the observer is {above_lights_m:.0} m above the lights nearby: there, the lowest 10° of skies under clouds are 10 to 30 % off, in single directions up to 90 %"
-        )
-    })
-}
+/// From this share of the light around on, what is higher than tables know lights matters.
+const MUCH_ABOVE_TABLES: f64 = 0.01;
 
-/// From this share of the light around on it matters which of it is above clouds.
-const MUCH_AT_CLOUDS: f64 = 0.02;
-
-/// What is said where lights are at the base of clouds.
-fn at_clouds_warning(at_clouds_share: f64) -> Option<String> {
-    (at_clouds_share > MUCH_AT_CLOUDS).then(|| {
+/// What is said where tables under clouds are known to be less exact: of low skies, and of lights at the clouds.
+fn overcast_warnings(lights: &LightsUnderClouds) -> [Option<String>; 2] {
+    let LightsUnderClouds { above_lights_m, above_tables } = *lights;
+    let low_sky = (above_lights_m > LESS_EXACT_ABOVE_M).then(|| {
         format!(
-            "{:.0} % of the light around is at the base of the clouds or above it: what lies close together counts as below or above as \
-             a whole, and the sky can be half too bright or too dark",
-            100.0 * at_clouds_share
+            "the observer is {above_lights_m:.0} m above the lights nearby: there, directions in the lowest 10° of an overcast sky are \
+             mostly 10 to 30 % off, single ones up to 90 %"
         )
-    })
+    });
+    let lights_at_clouds = (above_tables > MUCH_ABOVE_TABLES).then(|| {
+        format!(
+            "{:.0} % of the light around is less than 100 m below the base of the clouds, or above it: tables know no lights there, and \
+             the sky can be half too bright",
+            100.0 * above_tables
+        )
+    });
+    [low_sky, lights_at_clouds]
 }
 
 /// Whether light counts only above the skyline that its source sees towards the observer.
@@ -384,16 +388,20 @@ pub(super) fn open_lights_warning(
 mod tests {
     use super::*;
 
-    /// High above near lights tables under clouds are less exact, which is said there alone.
+    /// High above near lights, and with lights at the clouds, tables under clouds are less exact, which is said there alone.
     #[test]
-    fn who_is_high_above_lights_is_told() {
-        let said = above_lights_warning(Some(800), 248.4).unwrap_or_default();
-        assert!(said.contains("248 m above the lights nearby") && said.contains("lowest 10°"), "{said}");
-        for (cloud_base_m, above_lights_m) in [(None, 248.0), (Some(800), 100.0), (Some(800), -300.0)] {
-            assert_eq!(above_lights_warning(cloud_base_m, above_lights_m), None);
-        }
-        let mixed = at_clouds_warning(0.234).unwrap_or_default();
-        assert!(mixed.starts_with("23 % of the light around"), "{mixed}");
-        assert_eq!(at_clouds_warning(0.01), None);
+    fn errors_under_clouds_are_told() {
+        let said = |above_lights_m, above_tables| {
+            overcast_warnings(&LightsUnderClouds { above_lights_m, above_tables })
+                .map(Option::unwrap_or_default)
+        };
+        assert_eq!(said(100.0, 0.01), ["", ""]);
+        assert_eq!(said(-300.0, 0.0), ["", ""]);
+        let [low_sky, lights] = said(248.4, 0.234);
+        assert!(
+            low_sky.contains("248 m above the lights nearby") && low_sky.contains("lowest 10°"),
+            "{low_sky}"
+        );
+        assert!(lights.starts_with("23 % of the light around"), "{lights}");
     }
 }

@@ -158,9 +158,8 @@ impl Reference {
                 .flat_map(|(_, sources)| sources)
                 .map(|blocked| blocked.source.flux_dnb_w)
                 .sum(),
-            // What it is told for holds of tables.
-            above_lights_m: 0.0,
-            at_clouds_share: 0.0,
+            // No tables.
+            under_clouds: None,
             basis_count: 0,
             basis_error_bound: None,
             dark: dark_sky(None, request.turbidity, altitude_m),

@@ -204,12 +204,12 @@ export const server: ServerWords = {
       "natürliches Licht kommt durch die Lücken zwischen den Wolken und durch die Wolken, soweit sie es nicht zurückwerfen; es gibt weder Bortle-Klasse noch Grenzgröße",
     ],
     [
-      "the observer is {} m above the lights nearby: there, the lowest 10° of skies under clouds are 10 to 30 % off, in single directions up to 90 %",
-      "der Standort liegt {} m über den Lichtern in der Nähe: dort stimmen die untersten 10° des Himmels unter Wolken nur auf 10 bis 30 %, einzelne Richtungen auf 90 %",
+      "the observer is {} m above the lights nearby: there, directions in the lowest 10° of an overcast sky are mostly 10 to 30 % off, single ones up to 90 %",
+      "der Standort liegt {} m über den Lichtern in der Nähe: dort sind Richtungen in den untersten 10° eines bedeckten Himmels meist 10 bis 30 % falsch, einzelne bis 90 %",
     ],
     [
-      "{} % of the light around is at the base of the clouds or above it: what lies close together counts as below or above as a whole, and the sky can be half too bright or too dark",
-      "{} % des Lichts der Umgebung liegen an der Wolkenuntergrenze oder darüber: was dicht beieinander liegt, zählt als Ganzes darunter oder darüber, und der Himmel kann um die Hälfte zu hell oder zu dunkel sein",
+      "{} % of the light around is less than 100 m below the base of the clouds, or above it: tables know no lights there, and the sky can be half too bright",
+      "{} % des Lichts der Umgebung liegen weniger als 100 m unter der Wolkenuntergrenze oder darüber: dort kennen die Tabellen keine Lichter, und der Himmel kann um die Hälfte zu hell sein",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [

@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-D48lqIb1.js";
