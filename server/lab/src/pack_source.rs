@@ -135,7 +135,10 @@ mod tests {
                 let (azimuth, elevation) = (azimuth_rad(64), skyglow_physics::panorama::elevation_rad(63));
                 let first = radiance_per_watt_of(&air, &geometry, azimuth, elevation, 1e-6);
                 let ratio = found / first[Band::MIDDLE.index()][0];
-                assert!((1.07..1.25).contains(&ratio), "{base_m} {distance_m} {observer_altitude_m}: {ratio}");
+                assert!(
+                    (1.07..1.25).contains(&ratio),
+                    "{base_m} {distance_m} {observer_altitude_m}: {ratio}"
+                );
             }
         }
     }
