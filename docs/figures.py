@@ -188,20 +188,22 @@ def night():
 
 
 def land():
-    """A town in the Rift Valley: today, without its light, under snow, and in the light of the half Moon; one eye for all."""
-    see = lambda words, **params: labelled(picture(f"{API}/scenes/{SCENE}/panorama.png", legend="off", **params), words)
-    look = {"lat": -0.86, "lon": 36.42, "height": 60, "projection": "perspective", "azimuth": 20, "elevation": 9, "fov": 60,
-            "width": 900, "height_px": 450, "style": "eye", "adaptation": 0.0006, "ground": "lit"}
-    dark, moonlit = "2026-08-12T19:00:00Z", "2026-08-20T18:00:00Z"
-    dimmed = scenario({"brush": {"points": [[36.47, -0.72]], "radius_m": 25000}, "factor": 0})
+    """A town in a valley of the demo with and without its light, by starlight and under broken clouds, then under snow and by the half Moon; one eye for all."""
+    look = {"lat": 46.12, "lon": 9.78, "height": 60, "projection": "perspective", "azimuth": 60, "elevation": 8, "fov": 60, "width": 780, "height_px": 390,
+            "style": "eye", "adaptation": 0.001, "ground": "lit", "time": "2026-08-12T22:30:00Z", "legend": "off"}
+    edit = {"brush": {"points": [[9.87, 46.17]], "radius_m": 25000}, "factor": 0}
+    dimmed = {"scenario": ask("POST", f"{API}/scenes/demo/scenarios", json={"edits": [edit]}).json()["id"]}
+    broken = {"clouds": 1500, "cloud_cover": 0.5, "cloud_pattern": 2}
+    see = lambda words, **params: labelled(picture(f"{API}/scenes/demo/panorama.png", **{**look, **params}), words)
     side_by_side("land", [
-        [see("the town, by starlight", **look, time=dark), see("without its light", **look, time=dark, scenario=dimmed)],
-        [see("under snow", **{**look, "ground": "snow"}, time=dark), see("half Moon", **look, time=moonlit)],
+        [see("the town, by starlight"), see("without its light", **dimmed)],
+        [see("under broken clouds", **broken), see("without its light", **broken, **dimmed)],
+        [see("under snow", ground="snow"), see("by the half Moon", time="2026-08-20T19:45:00Z")],
     ])
 
 
 def clouds():
-    """A town on a lake of the demo under no clouds, some, more and a closed layer, by starlight and by the full Moon; then a valley there."""
+    """A town on a lake of the demo under no clouds, some, more and a closed layer, by starlight, and a valley there by the full Moon."""
     see = lambda words, **params: labelled(picture(f"{API}/scenes/demo/panorama.png", legend="off", style="eye", **params), words)
     dome = {"projection": "fisheye", "width": 400, "height_px": 400}
     some = {"clouds": 1500, "cloud_cover": 0.3, "cloud_pattern": 3}
@@ -211,13 +213,6 @@ def clouds():
     moonlit = {"lat": 46.53, "lon": 8.61, "time": "2026-08-27T22:30:00Z", "adaptation": 0.006}
     rows = {"a town": town, "a valley, full Moon": moonlit}
     side_by_side("clouds", [[see(f"{row}, {words}", **place, **dome, **layer) for words, layer in layers.items()] for row, place in rows.items()])
-    valley = {"lat": 46.23, "lon": 8.98, "height": 20, "projection": "perspective", "azimuth": 250, "elevation": 8, "fov": 70,
-              "width": 700, "height_px": 350, "ground": "lit", "adaptation": 0.003}
-    times = {"starlight": "2026-08-12T22:30:00Z", "half Moon": "2026-08-20T19:45:00Z"}
-    layers = {"no clouds": {}, "six tenths of clouds": more}
-    side_by_side("valley", [
-        [see(f"{light}, {words}", **valley, **layer, time=time) for words, layer in layers.items()] for light, time in times.items()
-    ])
 
 
 COMPONENTS = {

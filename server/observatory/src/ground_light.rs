@@ -35,6 +35,8 @@ const LUMENS_OF_LAMP: f64 = 8_000.0;
 const UPWARD_SHARE: f64 = 0.17;
 /// A pixel is divided into so many at most.
 const MAX_LAMPS_OF_PIXEL: f64 = 96.0;
+/// Along a ridge the lowest visible row of the sky jumps; so many columns to either side are one.
+const RIDGE_COLUMNS: usize = 4;
 /// Least cosine of the zenith angle at a lamp: a lamp that stands a little higher than the eye is seen too.
 const MIN_COS_ZENITH: f64 = 1e-3;
 
@@ -156,13 +158,32 @@ impl SkyLight {
             plane
         });
         let slopes = LitSlopes::of_planes(with_points.each_ref().map(Vec::as_slice));
-        let horizon = (0..AZIMUTH_COUNT).map(|column| {
-            let row = sky.horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
-            std::array::from_fn(|i| {
-                plane(i).get(row * AZIMUTH_COUNT + column).map_or(0.0, |value| f64::from(*value))
-            })
-        });
-        let horizon = horizon.collect();
+        let at_horizon = |seen: &SeenSky| -> Vec<SeenLight> {
+            let of_column = |column| {
+                let row = sky.horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
+                let value = |of| seen.seen_by(of).and_then(|plane| plane.get(row * AZIMUTH_COUNT + column));
+                SKY_RESPONSES.each_ref().map(|of| value(of).map_or(0.0, |value| f64::from(*value)))
+            };
+            (0..AZIMUTH_COUNT).map(of_column).collect()
+        };
+        let lamps = match &sky.air_before_ground {
+            None => at_horizon(&sky.seen),
+            Some(air) => air.clone(),
+        };
+        let all = at_horizon(seen);
+        let natural: Vec<SeenLight> = all
+            .iter()
+            .zip(at_horizon(&sky.seen))
+            .map(|(all, lamps)| std::array::from_fn(|i| all[i] - lamps[i]))
+            .collect();
+        // The natural sky has its clouds in it, many of which the air sees.
+        let columns = if sky.air_before_ground.is_some() { AZIMUTH_COUNT / 8 } else { RIDGE_COLUMNS };
+        let natural = mean_around(&natural, columns);
+        let horizon = mean_around(&lamps, RIDGE_COLUMNS)
+            .iter()
+            .zip(natural)
+            .map(|(lamps, natural)| std::array::from_fn(|i| lamps[i] + natural[i]))
+            .collect();
         let mut light = Self { slopes, discs, level: [0.0; 4], horizon, albedo: wanted.albedo };
         light.level = light.illuminance(Slope::default(), DVec3::Z);
         light
@@ -195,6 +216,14 @@ impl SkyLight {
         let (from, to) = (&self.horizon[left], &self.horizon[(left + 1) % AZIMUTH_COUNT]);
         std::array::from_fn(|i| from[i] + weight * (to[i] - from[i]))
     }
+}
+
+/// Means over as many columns to either side.
+fn mean_around(columns: &[SeenLight], each_side: usize) -> Vec<SeenLight> {
+    let (all, count) = (columns.len(), 2 * each_side + 1);
+    let around = |column: usize| (0..count).map(move |step| (column + all - each_side + step) % all);
+    let mean = |column: usize, i: usize| around(column).map(|at| columns[at][i]).sum::<f64>() / count as f64;
+    (0..all).map(|column| std::array::from_fn(|i| mean(column, i))).collect()
 }
 
 /// Lamps of one kind of fixture near the observer.

@@ -8,8 +8,8 @@ use crate::{
 use serde::Serialize;
 use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, BrokenClouds, Emission, EvenSky, Gaps, GeoPoint, Horizon, Lamp, LampPreset,
-    NaturalSky, Panorama, Response, SKY_RESPONSES, SeenSky, SkyNumbers, SkyPart, SkyQuantities, Slope,
-    Turbidity,
+    NaturalSky, Panorama, Response, SKY_RESPONSES, SeenLight, SeenSky, SkyNumbers, SkyPart, SkyQuantities,
+    Slope, Turbidity,
 };
 use skyglow_render::{PassTime, pack_kind::PackKind};
 use skyglow_scene::{ChangeId, Ground, SceneId};
@@ -123,6 +123,9 @@ pub struct RenderedSky {
     pub night: Option<NightSky>,
     /// Between them clouds hide the natural sky; None under a clear one.
     pub gaps: Option<Gaps>,
+    /// Between broken clouds what air before the ground has of artificial light, X, Y, Z and scotopic luminance just above the
+    /// ground by column: that of the sky there without the clouds that stand in it. None elsewhere: it is that of the sky.
+    pub air_before_ground: Option<Vec<SeenLight>>,
     /// The reported quantities, of the sky above the horizon.
     pub quantities: SkyQuantities,
     /// What its numbers depend on beside the request.
@@ -164,7 +167,8 @@ impl RenderedSky {
             (None, None) => SkyQuantities::with(NaturalSky::Dark, numbers),
         };
         let response = request.response.clone();
-        Self { parts, seen, response, horizon, night, gaps, quantities, context, passes: Vec::new() }
+        let (passes, air_before_ground) = (Vec::new(), None);
+        Self { parts, seen, response, horizon, night, gaps, air_before_ground, quantities, context, passes }
     }
 
     /// The quantities of its artificial light with the natural sky of another instant.
@@ -190,11 +194,12 @@ impl RenderedSky {
         let of = |parts: &[SkyPart], seen: &SeenSky| {
             4 * (parts.len() * Panorama::LEN + seen.responses().len() * Panorama::LEN / BAND_COUNT)
         };
+        let air = self.air_before_ground.as_deref().map_or(0, size_of_val);
         let night = self
             .night
             .as_ref()
             .map_or(0, |night| of(night.parts(), night.seen()) + night.points_byte_count());
-        of(&self.parts, &self.seen) + night
+        of(&self.parts, &self.seen) + night + air
     }
 
     /// Artificial light and the natural sky by the responses of [`Self::seen`]: that of the instant that was asked for or else the dark

@@ -8,8 +8,8 @@ use crate::{
     sky::{RenderContext, RenderedSky, SkyRequest, responses_of},
 };
 use skyglow_physics::{
-    Atmosphere, BAND_COUNT, BrokenClouds, Fixture, Gaps, Horizon, Lamp, LampPreset, PhysicsError, SkyPart,
-    Slope,
+    AZIMUTH_COUNT, Atmosphere, BAND_COUNT, BrokenClouds, ELEVATION_COUNT, Fixture, Gaps, Horizon, Lamp,
+    LampPreset, Panorama, PhysicsError, SKY_RESPONSES, SeenLight, SkyPart, Slope, spectrum::Light,
 };
 use skyglow_render::{
     PassTime,
@@ -235,17 +235,44 @@ impl Surroundings {
         };
         let before = [timed("horizon", time), timed("night sky", night_time)].into_iter().flatten();
         let passes = before.chain(times_together(&rendered)).collect();
+        let horizon = horizon.unwrap_or_default();
+        let mut air_before_ground = None;
         if let Some(gaps) = gaps.as_ref().filter(|_| request.broken_clouds.is_some()) {
             let overcast = rendered.split_off(lights.len());
+            air_before_ground = Some(air_under_clouds(gaps, &lights, [&rendered, &overcast], &horizon));
             for (clear, overcast) in rendered.iter_mut().zip(&overcast) {
                 gaps.cover(&mut clear.panorama, &overcast.panorama);
             }
         }
         let parts = lights.into_iter().zip(rendered);
         let parts = parts.map(|(light, rendered)| SkyPart { light, kernel: rendered.panorama }).collect();
-        let horizon = horizon.unwrap_or_default();
-        RenderedSky { passes, ..RenderedSky::with_natural(request, parts, horizon, context, (night, gaps)) }
+        let sky = RenderedSky::with_natural(request, parts, horizon, context, (night, gaps));
+        RenderedSky { passes, air_before_ground, ..sky }
     }
+}
+
+/// [`RenderedSky::air_before_ground`] of skies without clouds and under a closed layer.
+fn air_under_clouds(
+    gaps: &Gaps,
+    lights: &[Arc<Light>],
+    [clear, overcast]: [&[Rendered]; 2],
+    horizon: &Horizon,
+) -> Vec<SeenLight> {
+    let rules: Vec<_> = lights.iter().map(|light| SKY_RESPONSES.map(|of| light.rule(&of))).collect();
+    let of_column = |column: usize| {
+        let row = horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
+        let mut sum = SeenLight::default();
+        for ((rules, clear), overcast) in rules.iter().zip(clear).zip(overcast) {
+            let kernel = std::array::from_fn(|band| {
+                let [clear, overcast] =
+                    [clear, overcast].map(|sky| sky.panorama.samples()[Panorama::index(band, row, column)]);
+                f64::from(gaps.of_air(clear, overcast, row))
+            });
+            sum.iter_mut().zip(rules).for_each(|(sum, rule)| *sum += rule.value(kernel));
+        }
+        sum
+    };
+    (0..AZIMUTH_COUNT).map(of_column).collect()
 }
 
 /// Times of passes of all parts together: parts of one batch have its times.

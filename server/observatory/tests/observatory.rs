@@ -270,6 +270,14 @@ fn broken_clouds_let_natural_light_through() {
     // One pattern has clouds here and gaps there.
     let one = sky(0.5, Some(4));
     let gaps = one.gaps.as_ref().unwrap();
+    // Air before the ground is the sky's own in a gap, and no cloud stands in it.
+    assert_eq!((&clear.air_before_ground, &overcast.air_before_ground), (&None, &None));
+    let air = one.air_before_ground.as_ref().unwrap();
+    for (column, air) in air.iter().enumerate() {
+        let sky = f64::from(one.seen.plane(1)[column]);
+        assert!(gaps.share(0, column) < 1.0 || (air[1] / sky - 1.0).abs() < 1e-3, "{column} {air:?} {sky}");
+        assert!(air[1] <= f64::from(clear.seen.plane(1)[column]) * 1.001, "{column}");
+    }
     let share = |at: usize| gaps.share(at / AZIMUTH_COUNT, at % AZIMUTH_COUNT);
     let total = one.seen_in_total();
     let natural = |at: usize| total.plane(1)[at] - one.seen.plane(1)[at];
@@ -277,6 +285,29 @@ fn broken_clouds_let_natural_light_through() {
     assert!(places.clone().any(|at| share(at) == 0.0) && places.clone().any(|at| share(at) == 1.0));
     let behind = 0.5 * dark.meter_value(&Response::Photopic) as f32;
     assert!(places.filter(|at| share(*at) == 0.0).all(|at| (natural(at) / behind - 1.0).abs() < 1e-2));
+}
+
+/// Under a closed layer lights add up to the sky's own value, and less than 100 m below it they do less the higher they are.
+#[test]
+fn influences_add_up_at_the_clouds() {
+    let data = tempfile::tempdir().unwrap();
+    store_town(data.path(), 1.0);
+    let found = [2_000, 1_050, 1_020, 1_000].map(|base_m| {
+        let tables = synthetic::under_clouds(synthetic::table_set(&[2.0, 3.0], 8), base_m);
+        let config = EngineConfig { device: DeviceChoice::Cpu, tables, ..EngineConfig::default() };
+        let observatory = Observatory::new(Engine::start(config).unwrap(), Vec::new(), data.path(), 2);
+        let asked = request(-1.35, 36.5, ObserverHeight::AboveSea(500.0));
+        let sky = SkyRequest { cloud_base_m: Some(base_m), ..asked };
+        let wanted = observatory.sky_blocking(&sky).unwrap().quantities.zenith_luminance_cd_m2;
+        let map = observatory.influence(&InfluenceRequest { sky, measure: Measure::Zenith }).unwrap();
+        let total = map.total().influence;
+        assert!((total - wanted).abs() <= 1e-4 * wanted, "{base_m} {total} {wanted}");
+        total
+    });
+    // 50 and 20 m below the base, 12 km away: what the spot above the town sends counts a little.
+    let [all, half, fifth, above] = found;
+    assert!((0.5..0.7).contains(&(half / all)) && (0.2..0.4).contains(&(fifth / all)), "{found:?}");
+    assert_eq!(above, 0.0);
 }
 
 /// Between clouds lights add up to the sky's own value, and dimming all of them takes that much.

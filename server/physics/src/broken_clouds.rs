@@ -233,6 +233,12 @@ impl Gaps {
         }
     }
 
+    /// Radiance of artificial light from the air below and above the layer where no cloud is in sight, given it under a clear sky
+    /// and under a closed layer, at a row of the panorama.
+    pub fn of_air(&self, clear: f32, overcast: f32, row: usize) -> f32 {
+        through_gap(clear, overcast, self.cover, share_below(elevation_rad(row)) as f32)
+    }
+
     /// Turns artificial light under a clear sky into that under these clouds, given that under a closed layer.
     pub fn cover(&self, clear: &mut Panorama, overcast: &Panorama) {
         let samples = clear.samples_mut().iter_mut().zip(overcast.samples());

@@ -14,6 +14,7 @@ pub mod error;
 mod executor;
 mod gpu;
 mod job;
+pub mod light_share;
 pub mod near_field;
 mod node_norms;
 mod node_table;

@@ -2,6 +2,7 @@
 
 use crate::{
     error::RenderError,
+    light_share::LightShare,
     near_field::NearFieldCorrection,
     pack_kind::{PackKind, ResidentKind},
     request::{RenderRequest, WorkCount},
@@ -39,7 +40,7 @@ pub struct MixNode {
 /// A lit cell with its place between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparedCell {
-    /// Upward flux, DNB watts.
+    /// Upward flux that counts, DNB watts ([`LightShare`]).
     pub flux_dnb_w: f32,
     /// Node below the cell's offset.
     pub lower_node: u32,
@@ -130,8 +131,8 @@ impl Prepared {
         };
         if flux_per_dnb_flux.iter().any(|flux| *flux > 0.0) {
             let axes = NodeAxes { set, hides_lights: packs.hides_lights };
-            let highest_source_m = packs.kind.cloud_altitude_m();
-            prepared.list_work(&request.polar, observer_altitude_m, highest_source_m, &axes);
+            let cloud_altitude_m = packs.kind.cloud_altitude_m();
+            prepared.list_work(&request.polar, observer_altitude_m, cloud_altitude_m, &axes);
         }
         Ok(prepared)
     }
@@ -163,13 +164,13 @@ impl Prepared {
         }
     }
 
-    /// Lists the lit cells and the nodes that they touch; light at `highest_source_m` and above shines on clouds from
-    /// above, and none of it comes through.
+    /// Lists the lit cells and the nodes that they touch; light at `cloud_altitude_m` and above shines on clouds from
+    /// above, and none of it comes through ([`LightShare`]).
     fn list_work(
         &mut self,
         polar: &PolarGrid,
         observer_altitude_m: f64,
-        highest_source_m: f64,
+        cloud_altitude_m: f64,
         axes: &NodeAxes<'_>,
     ) {
         let slots = axes.slot_count(polar);
@@ -178,7 +179,7 @@ impl Prepared {
             if polar.cells.len() < CELLS_WORTH_TASKS { columns.len() } else { COLUMNS_PER_TASK };
         let mut listed: Vec<Listed> = columns
             .par_chunks(columns_per_task)
-            .map(|columns| Listed::of(polar, columns, [observer_altitude_m, highest_source_m], slots, axes))
+            .map(|columns| Listed::of(polar, columns, [observer_altitude_m, cloud_altitude_m], slots, axes))
             .collect();
         let mut node_of = vec![u32::MAX; slots];
         for (slot, node) in node_of.iter_mut().enumerate() {
@@ -223,7 +224,7 @@ impl Listed {
     fn of(
         polar: &PolarGrid,
         columns: &[usize],
-        [observer_altitude_m, highest_source_m]: [f64; 2],
+        [observer_altitude_m, cloud_altitude_m]: [f64; 2],
         slots: usize,
         axes: &NodeAxes<'_>,
     ) -> Self {
@@ -242,7 +243,8 @@ impl Listed {
                 }
                 ring_axis::positions(&offsets, &mut positions);
                 for (cell, position) in cells.iter().zip(positions) {
-                    if !shines(cell, highest_source_m) {
+                    let share = LightShare::of(cell, observer_altitude_m, cloud_altitude_m).share;
+                    if share <= 0.0 {
                         continue;
                     }
                     let (node, upper_weight) = node_below(position);
@@ -250,7 +252,7 @@ impl Listed {
                     let upper = lower + usize::from(upper_weight > 0.0);
                     (listed.is_used[lower], listed.is_used[upper]) = (true, true);
                     listed.cells.push(PreparedCell {
-                        flux_dnb_w: cell.flux_dnb_w,
+                        flux_dnb_w: share * cell.flux_dnb_w,
                         lower_node: lower as u32,
                         upper_weight,
                     });
@@ -326,11 +328,6 @@ impl NodeAxes<'_> {
             offset: (within % offsets) as u32,
         }
     }
-}
-
-/// Whether a cell counts: it has light, and that does not shine on clouds from above.
-pub fn shines(cell: &PolarCell, highest_source_m: f64) -> bool {
-    cell.flux_dnb_w > 0.0 && f64::from(cell.altitude_m) < highest_source_m
 }
 
 /// Node at or below a fractional position, and the weight of the one above it; none within 2e-6 of a node,

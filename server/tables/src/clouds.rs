@@ -11,7 +11,7 @@ use skyglow_physics::{CloudBase, PhysicsError, single_source::SourceGeometry};
 
 /// Least distance of observers and sources below the base, metres: nearer, a point of light is a spot on the
 /// cloud that no table resolves.
-const CLOUD_CLEARANCE_M: f64 = 100.0;
+pub const CLOUD_CLEARANCE_M: f64 = 100.0;
 /// Distances of tables under clouds at most: every second one of a clear sky's takes 0.2 to 0.3 % off a whole sky, every
 /// third one 0.5 to 1.
 pub(crate) const MAX_DISTANCES: usize = 24;

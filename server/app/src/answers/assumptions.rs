@@ -270,7 +270,7 @@ fn sky_warnings(
     let skyline = open_lights_warning(request.terrain_hides, scene, facts.kind(request));
     let lamps = context.lamps_not_met.iter().map(|lamp| lamp_warning(*lamp, &request.lamp));
     let high = high_warning(context.altitude_m, facts);
-    let [above_lights, above_tables] = context.under_clouds.as_ref().map_or([None, None], overcast_warnings);
+    let [above_lights, at_clouds] = context.under_clouds.as_ref().map_or([None, None], overcast_warnings);
     let words = [
         coverage_warning(context.coverage),
         ground,
@@ -278,7 +278,7 @@ fn sky_warnings(
         high,
         cloud_warning(request),
         above_lights,
-        above_tables,
+        at_clouds,
     ];
     words.into_iter().flatten().chain(lamps).collect()
 }
@@ -340,22 +340,22 @@ fn cloud_warning(request: &SkyRequest) -> Option<String> {
 const LESS_EXACT_ABOVE_M: f64 = 100.0;
 
 /// From this share of the light around on, what is higher than tables know lights matters.
-const MUCH_ABOVE_TABLES: f64 = 0.01;
+const MUCH_AT_CLOUDS: f64 = 0.01;
 
 /// What is said where tables under clouds are known to be less exact: of low skies, and of lights at the clouds.
 fn overcast_warnings(lights: &LightsUnderClouds) -> [Option<String>; 2] {
-    let LightsUnderClouds { above_lights_m, above_tables } = *lights;
+    let LightsUnderClouds { above_lights_m, at_clouds } = *lights;
     let low_sky = (above_lights_m > LESS_EXACT_ABOVE_M).then(|| {
         format!(
             "the observer is {above_lights_m:.0} m above the lights nearby: there, directions in the lowest 10° of an overcast sky are \
              mostly 10 to 30 % off, single ones up to 90 %"
         )
     });
-    let lights_at_clouds = (above_tables > MUCH_ABOVE_TABLES).then(|| {
+    let lights_at_clouds = (at_clouds > MUCH_AT_CLOUDS).then(|| {
         format!(
-            "{:.0} % of the light around is less than 100 m below the base of the clouds, or above it: tables know no lights there, and \
-             the sky can be half too bright",
-            100.0 * above_tables
+            "{:.0} % of the light around is less than 100 m below the base of the clouds: tables know no lights there, and \
+             single directions can be 20 % off",
+            100.0 * at_clouds
         )
     });
     [low_sky, lights_at_clouds]
@@ -391,9 +391,8 @@ mod tests {
     /// High above near lights, and with lights at the clouds, tables under clouds are less exact, which is said there alone.
     #[test]
     fn errors_under_clouds_are_told() {
-        let said = |above_lights_m, above_tables| {
-            overcast_warnings(&LightsUnderClouds { above_lights_m, above_tables })
-                .map(Option::unwrap_or_default)
+        let said = |above_lights_m, at_clouds| {
+            overcast_warnings(&LightsUnderClouds { above_lights_m, at_clouds }).map(Option::unwrap_or_default)
         };
         assert_eq!(said(100.0, 0.01), ["", ""]);
         assert_eq!(said(-300.0, 0.0), ["", ""]);

@@ -16,7 +16,8 @@ use skyglow_physics::{
 };
 use skyglow_render::{
     cpu::CpuExecutor,
-    prepare::{Prepared, PreparedCell, basis_count_in_use, shines},
+    light_share::LightShare,
+    prepare::{Prepared, PreparedCell, basis_count_in_use},
     request::RenderRequest,
     table_set::TableSet,
     truncation::gram_matrix,
@@ -130,11 +131,10 @@ impl InfluenceSolver {
             return Ok(CellsInSky { cells, of_sky });
         }
         // Cells that shine on clouds from above are in the grid and not among those prepared.
-        let highest_source_m = request.kind().cloud_altitude_m();
-        let places: Vec<u32> = (0u32..)
-            .zip(&request.polar.cells)
-            .filter(|(_, cell)| shines(cell, highest_source_m))
-            .map(|(at, _)| at)
+        let (observer_m, cloud_m) = (prepared.observer_altitude_m, request.kind().cloud_altitude_m());
+        let places: Vec<(u32, LightShare)> = (0u32..)
+            .zip(request.polar.cells.iter().map(|cell| LightShare::of(cell, observer_m, cloud_m)))
+            .filter(|(_, counts)| counts.share > 0.0)
             .collect();
         let mut of_cells = vec![Slope::default(); prepared.cells.len()];
         match measure {
@@ -145,16 +145,18 @@ impl InfluenceSolver {
         }
         let found: Vec<CellInfluence> = (places.par_iter().zip(&of_cells).zip(&prepared.cells))
             .with_min_len(CELLS_AT_ONCE)
-            .map(|((&at, of_cell), cell)| {
+            .map(|((&(at, counts), of_cell), cell)| {
                 let per_m = self.upper_weight_per_m(request, prepared, at as usize, cell);
-                let slope = (of_cell.log_slope() * f64::from(per_m)).clamp(-STEEPEST_PER_M, STEEPEST_PER_M);
-                CellInfluence { per_dnb_w: of_cell.value, log_slope_per_m: slope as f32 }
+                let slope = of_cell.log_slope() * f64::from(per_m) + counts.log_slope_per_m;
+                let per_dnb_w = f64::from(counts.share) * of_cell.value;
+                let log_slope_per_m = slope.clamp(-STEEPEST_PER_M, STEEPEST_PER_M) as f32;
+                CellInfluence { per_dnb_w, log_slope_per_m }
             })
             .collect();
         if found.len() == cells.len() {
             return Ok(CellsInSky { cells: found, of_sky });
         }
-        for (at, cell) in places.into_iter().zip(found) {
+        for ((at, _), cell) in places.into_iter().zip(found) {
             cells[at as usize] = cell;
         }
         Ok(CellsInSky { cells, of_sky })

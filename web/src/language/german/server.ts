@@ -208,8 +208,8 @@ export const server: ServerWords = {
       "der Standort liegt {} m über den Lichtern in der Nähe: dort sind Richtungen in den untersten 10° eines bedeckten Himmels meist 10 bis 30 % falsch, einzelne bis 90 %",
     ],
     [
-      "{} % of the light around is less than 100 m below the base of the clouds, or above it: tables know no lights there, and the sky can be half too bright",
-      "{} % des Lichts der Umgebung liegen weniger als 100 m unter der Wolkenuntergrenze oder darüber: dort kennen die Tabellen keine Lichter, und der Himmel kann um die Hälfte zu hell sein",
+      "{} % of the light around is less than 100 m below the base of the clouds: tables know no lights there, and single directions can be 20 % off",
+      "{} % des Lichts der Umgebung liegen weniger als 100 m unter der Wolkenuntergrenze: dort kennen die Tabellen keine Lichter, und einzelne Richtungen können um 20 % abweichen",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [
