@@ -56,6 +56,9 @@ test("the land is shown in its light", async () => {
     assert.match(await page.locator("#download-links a").first().getAttribute("href"), new RegExp(`ground=${kind}`));
   }
   assert.ok(shown[2].groundMean < 2 * dark.skyMean, `snow of ${shown[2].groundMean} below a sky of ${dark.skyMean}`);
+  await land.selectOption("water");
+  await landShown(opened, "water");
+  assert.equal(inLink(page, "land"), "water");
   await land.selectOption("dark");
   await landShown(opened, "dark");
   assert.equal(inLink(page, "land"), null);

@@ -266,9 +266,9 @@ parameters! {
     }, "", false;
     /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
-    /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under
-    /// snow.
-    GROUND = "ground", Kind::Choice(&["dark", "lit", "snow"]), "dark", false;
+    /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under
+    /// snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water.
+    GROUND = "ground", Kind::Choice(&["dark", "lit", "snow", "water"]), "dark", false;
     /// Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky.
     ADAPTATION = "adaptation", Kind::Number { minimum: 1e-4, maximum: 1e5, unit: " cd/m2" }, "", false;
     /// `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in

@@ -150,6 +150,8 @@ pub enum GroundStyle {
     Lit,
     /// The same under snow.
     Snow,
+    /// As it is lit, where level ground is calm water, which mirrors.
+    Water,
 }
 
 impl GroundStyle {
@@ -158,7 +160,7 @@ impl GroundStyle {
     pub const fn albedo(self) -> Option<f64> {
         match self {
             GroundStyle::Dark => None,
-            GroundStyle::Lit => Some(DEFAULT_GROUND_ALBEDO),
+            GroundStyle::Lit | GroundStyle::Water => Some(DEFAULT_GROUND_ALBEDO),
             GroundStyle::Snow => Some(0.75),
         }
     }

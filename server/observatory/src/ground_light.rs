@@ -5,6 +5,7 @@ use crate::{
     error::ObservatoryError,
     scene_view::SceneView,
     sky::{RenderedSky, SkyRequest},
+    water::{MirroredLight, WATER_ALBEDO, WaterLine, sample},
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -49,6 +50,8 @@ pub struct GroundRequest {
     pub albedo: f64,
     /// Whether the natural sky lights it too; not under clouds.
     pub in_total: bool,
+    /// Whether level ground is calm water, which mirrors.
+    pub has_water: bool,
 }
 
 /// The ground around a sky's observer.
@@ -72,18 +75,35 @@ pub fn lit_ground(
         air: AirBetween::new(request.turbidity),
     };
     let patches = Patches::new(scene, &lamps);
-    let lit = |line: &GroundLine| {
+    let water: Vec<WaterLine> = if wanted.has_water {
+        lines.par_iter().map(|line| WaterLine::of(line, eye_altitude_m)).collect()
+    } else {
+        lines.iter().map(|_| WaterLine::default()).collect()
+    };
+    let lit = |(line, water): (&GroundLine, &WaterLine)| {
         let beyond = light.at_horizon(line.azimuth_rad);
-        let light = line.seen.iter().map(|ground| {
-            let through = eye.through(ground.altitude_m, ground.distance_m);
+        let behind_air = |sent: SeenLight, through: SeenLight| -> SeenLight {
+            std::array::from_fn(|i| sent[i] * through[i] + beyond[i] * (1.0 - through[i]))
+        };
+        let sent = line.seen.iter().map(|ground| {
             let mut sent = light.sent_by(ground);
             if ground.distance_m < LAMPS_WITHIN_M {
                 patches.add(scene, || eye.place(line.azimuth_rad, ground.distance_m), &mut sent);
             }
-            std::array::from_fn(|i| {
-                let sent = sent[i];
-                (sent * through[i] + beyond[i] * (1.0 - through[i])) as f32
-            })
+            sent
+        });
+        let mut sent: Vec<SeenLight> = sent.collect();
+        if !water.is_empty() {
+            let below = light.level.map(|lx| WATER_ALBEDO / PI * lx);
+            let towards_water = |sent: SeenLight, [land, water]: [usize; 2]| {
+                let [land, water] = [&line.seen[land], &line.seen[water]];
+                let altitudes_m = [water.altitude_m.max(0.0), land.altitude_m.max(0.0)];
+                behind_air(sent, eye.air.transmittance(altitudes_m, land.distance_m - water.distance_m))
+            };
+            water.mirror(line, &mut sent, |direction| light.sky(direction), below, towards_water);
+        }
+        let light = line.seen.iter().zip(sent).map(|(ground, sent)| {
+            behind_air(sent, eye.through(ground.altitude_m, ground.distance_m)).map(|value| value as f32)
         });
         LitLine {
             tangents: line.seen.iter().map(|ground| ground.tangent as f32).collect(),
@@ -95,18 +115,29 @@ pub fn lit_ground(
     let mut ground = LitGround {
         first_azimuth_rad,
         step_rad,
-        lines: lines.par_iter().map(lit).collect(),
+        lines: lines.par_iter().zip(&water).map(lit).collect(),
         lamps: Vec::new(),
     };
     // A lamp just below the picture shines into it.
     let lowest_rad = wanted.sight.lowest_tangent.atan() - LAMP_REACH_RAD;
     let points = lamps.par_iter().flat_map_iter(|lamp| {
         lamp.pixels.iter().flat_map(|pixel| {
-            let lamps = lamps_of(scene, &eye, lamp, pixel, &ground, &lines);
+            let lamps = lamps_of(scene, &eye, lamp, pixel, &ground, (&lines, &water));
             lamps.into_iter().filter(|(of, _)| of.elevation_rad > lowest_rad)
         })
     });
-    ground.lamps = points.collect();
+    let mut points: Vec<_> = points.collect();
+    for (towards, lx) in &light.discs {
+        let azimuth_rad = towards.x.atan2(towards.y);
+        let tangent = towards.z / towards.x.hypot(towards.y);
+        let at = ground.line_at(azimuth_rad).filter(|_| tangent > 0.0);
+        let image = at.and_then(|at| water[at].image(&lines[at], MirroredLight::Beyond { tangent }));
+        if let Some((tangent, share)) = image {
+            let direction = Direction { azimuth_rad, elevation_rad: tangent.atan() };
+            points.push((direction, lx.map(|lx| share * lx)));
+        }
+    }
+    ground.lamps = points;
     Ok(ground)
 }
 
@@ -137,6 +168,8 @@ struct SkyLight {
     level: SeenLight,
     /// Just above the ground, by column.
     horizon: Vec<SeenLight>,
+    /// In every direction, `[row][column]`; below the horizon that of the row above.
+    planes: [Vec<f32>; 4],
     albedo: f64,
 }
 
@@ -184,7 +217,23 @@ impl SkyLight {
             .zip(natural)
             .map(|(lamps, natural)| std::array::from_fn(|i| lamps[i] + natural[i]))
             .collect();
-        let mut light = Self { slopes, discs, level: [0.0; 4], horizon, albedo: wanted.albedo };
+        let filled = |i: usize| {
+            let mut plane = if wanted.has_water { plane(i).to_vec() } else { Vec::new() };
+            for (column, lowest) in
+                (0..AZIMUTH_COUNT).map(|column| (column, sky.horizon.first_visible_row(column)))
+            {
+                let value = plane.get(lowest * AZIMUTH_COUNT + column).copied().unwrap_or_default();
+                plane
+                    .iter_mut()
+                    .skip(column)
+                    .step_by(AZIMUTH_COUNT)
+                    .take(lowest)
+                    .for_each(|hidden| *hidden = value);
+            }
+            plane
+        };
+        let (level, planes) = ([0.0; 4], std::array::from_fn(filled));
+        let mut light = Self { slopes, discs, level, horizon, planes, albedo: wanted.albedo };
         light.level = light.illuminance(Slope::default(), DVec3::Z);
         light
     }
@@ -206,6 +255,11 @@ impl SkyLight {
         // A slope sees as much of level ground as it misses of the sky.
         let share = 0.5 * (1.0 - normal.z) * self.albedo;
         std::array::from_fn(|i| self.albedo / PI * (from_sky[i] + share * self.level[i]))
+    }
+
+    /// Of the sky in a direction, without points of light.
+    fn sky(&self, direction: Direction) -> SeenLight {
+        self.planes.each_ref().map(|plane| sample(plane, direction))
     }
 
     /// Of the sky just above the ground.
@@ -340,7 +394,7 @@ fn lamps_of(
     lamp: &LampLight,
     pixel: &SourcePixel,
     ground: &LitGround,
-    lines: &[GroundLine],
+    (lines, water): (&[GroundLine], &[WaterLine]),
 ) -> Vec<(Direction, SeenLight)> {
     let bearing = eye.frame.bearing_to(pixel.center());
     let side_m = EARTH_RADIUS_M * pixel.corners[0].distance(pixel.corners[2]);
@@ -366,7 +420,8 @@ fn lamps_of(
         let at = (a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t).normalize();
         let bearing = eye.frame.bearing_to(at);
         let distance_m = bearing.distance_m;
-        let line = lines.get(ground.line_at(bearing.azimuth_rad)?)?;
+        let at_line = ground.line_at(bearing.azimuth_rad)?;
+        let line = lines.get(at_line)?;
         if distance_m < NEAREST_LAMP_M {
             return None;
         }
@@ -386,9 +441,14 @@ fn lamps_of(
             .sum();
         let through = eye.through(altitude_m, distance_m);
         let candela_per_m2 = flux_w * per_sr / (path_m * path_m);
-        let lx = std::array::from_fn(|i| lamp.lumens_per_w[i] * candela_per_m2 * through[i]);
-        let direction = Direction { azimuth_rad: bearing.azimuth_rad, elevation_rad: tangent.atan() };
-        Some((direction, lx))
+        let lx: SeenLight = std::array::from_fn(|i| lamp.lumens_per_w[i] * candela_per_m2 * through[i]);
+        let azimuth_rad = bearing.azimuth_rad;
+        let direction = Direction { azimuth_rad, elevation_rad: tangent.atan() };
+        let image = water[at_line].image(line, MirroredLight::At { distance_m, altitude_m });
+        let image = image.map(|(tangent, share)| {
+            (Direction { azimuth_rad, elevation_rad: tangent.atan() }, lx.map(|lx| share * lx))
+        });
+        Some([Some((direction, lx)), image])
     };
-    (0..count as usize).filter_map(|number| of(number as f64)).collect()
+    (0..count as usize).filter_map(|number| of(number as f64)).flatten().flatten().collect()
 }

@@ -35,6 +35,7 @@ mod sky_below;
 mod slope_light;
 mod surroundings;
 mod watch;
+mod water;
 
 pub use brightness::{BrightnessMap, MAX_PLACES, PreparedBrightness};
 pub use brightness_request::{BrightnessRequest, EYE_HEIGHT_M, MapLight};

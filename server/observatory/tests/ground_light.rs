@@ -5,7 +5,7 @@ mod common;
 
 use common::{engine, sky, store_town_on};
 use skyglow_observatory::{GroundRequest, Observatory, ObserverHeight, RenderedSky, SkyRequest, lit_ground};
-use skyglow_physics::{Direction, LitGround};
+use skyglow_physics::{AZIMUTH_COUNT, Direction, LitGround, fresnel::water_reflectance};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::GroundSight;
 use std::{
@@ -19,7 +19,7 @@ fn ground_at(
     data: &Path,
     latitude_deg: f64,
     longitude_deg: f64,
-    albedo: f64,
+    (albedo, has_water): (f64, bool),
 ) -> (LitGround, RenderedSky, SkyRequest) {
     let observatory = Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data, 2);
     let observer_height = ObserverHeight::AboveGround(50.0);
@@ -27,7 +27,7 @@ fn ground_at(
     let rendered = observatory.sky_blocking(&request).unwrap();
     let view = observatory.view(&request.scene, None).unwrap();
     let sight = GroundSight { azimuths: (0.0, TAU / COUNT as f64, COUNT), lowest_tangent: f64::NEG_INFINITY };
-    let wanted = GroundRequest { sight, albedo, in_total: false };
+    let wanted = GroundRequest { sight, albedo, in_total: false, has_water };
     let ground = lit_ground(&view, &request, &rendered, &wanted).unwrap();
     (ground, rendered, request)
 }
@@ -43,7 +43,7 @@ fn near_ground_reflects_the_sky() {
     store_town_on(data.path(), 1.0, &|_, _| 1000.25);
     // 12 km to the north-west of the town.
     let [(dark, sky, _), (bright, ..)] =
-        [0.15, 0.6].map(|albedo| ground_at(data.path(), -1.35, 36.5, albedo));
+        [0.15, 0.6].map(|albedo| ground_at(data.path(), -1.35, 36.5, (albedo, false)));
     let expected = 0.15 * sky.quantities.horizontal_illuminance_lx / PI;
     // The air of 50 m takes and adds less than one per cent.
     let below = looking(300.0, -40.0);
@@ -61,7 +61,7 @@ fn near_ground_reflects_the_sky() {
 fn the_towns_lamps_are_seen_in_its_direction() {
     let data = tempfile::tempdir().unwrap();
     store_town_on(data.path(), 1.0, &|_, _| 1000.25);
-    let (ground, sky, request) = ground_at(data.path(), -1.35, 36.5, 0.15);
+    let (ground, sky, request) = ground_at(data.path(), -1.35, 36.5, (0.15, false));
     assert!(ground.lamps.len() > 100, "{}", ground.lamps.len());
     for (direction, _) in &ground.lamps {
         assert!((direction.azimuth_rad.to_degrees() - 118.0).abs() < 12.0, "{direction:?}");
@@ -78,4 +78,32 @@ fn the_towns_lamps_are_seen_in_its_direction() {
     assert!((0.3..0.95).contains(&(found_lx / expected_lx)), "{found_lx} {expected_lx}");
     let [town, beside] = [118.0, 150.0].map(|azimuth_deg| ground.light(looking(azimuth_deg, -0.25)).unwrap());
     assert!(town[1] > 5.0 * beside[1], "{town:?} {beside:?}");
+}
+
+/// Level ground as water: near by it mirrors the sky by Fresnel's reflectance and sends 2 % of the rest from below, and the town's
+/// lamps are seen a second time, as deep below the water as they stand above it.
+#[test]
+fn water_mirrors_the_sky_and_the_town() {
+    let data = tempfile::tempdir().unwrap();
+    store_town_on(data.path(), 1.0, &|_, _| 1000.25);
+    let [(land, ..), (water, sky, _)] =
+        [false, true].map(|has_water| ground_at(data.path(), -1.35, 36.5, (0.15, has_water)));
+    let plane = sky.seen.seen_by(&skyglow_physics::Response::Photopic).unwrap();
+    let (row, column) = looking(300.0, 40.0).nearest_sample();
+    let share = water_reflectance(40.0f64.to_radians().sin());
+    let mirrored = share * f64::from(plane[row * AZIMUTH_COUNT + column]);
+    let expected = mirrored + (1.0 - share) * 0.02 * sky.quantities.horizontal_illuminance_lx / PI;
+    let found = water.light(looking(300.0, -40.0)).unwrap()[1];
+    assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
+    assert_eq!(water.lamps.len(), 2 * land.lamps.len());
+    let eye_m = 50.0;
+    for pair in water.lamps.chunks_exact(2) {
+        let [(lamp, lx), (image, mirrored_lx)] = pair else { panic!("{pair:?}") };
+        // 8 m above the water, so 16 m lower in the mirror.
+        let distance_m = 16.0 / (lamp.elevation_rad.tan() - image.elevation_rad.tan());
+        assert!((10_000.0..16_000.0).contains(&distance_m), "{distance_m}");
+        assert_eq!(lamp.azimuth_rad, image.azimuth_rad);
+        let share = mirrored_lx[1] / lx[1];
+        assert!((water_reflectance(eye_m / distance_m)..1.0).contains(&share), "{share}");
+    }
 }

@@ -24,6 +24,7 @@ pub mod emission_law;
 pub mod error;
 pub mod error_metric;
 pub mod fixture;
+pub mod fresnel;
 pub mod geometry;
 pub mod hidden_sum;
 pub mod horizon;

@@ -267,6 +267,20 @@ impl SceneStore {
         }
     }
 
+    /// Makes the file that the lights of a large scene stay in where there is none, so that who opens it first need not. Takes as much
+    /// memory as that scene in memory.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn store_lights(&self, id: &SceneId) -> Result<(), SceneError> {
+        let stored = self.read_metadata(id)?;
+        let is_there = || pyramid_file::is_there(&self.scene_dir(id), &stored.metadata.version);
+        if self.keeps_lights_in_file(&stored) && !is_there() {
+            self.open_unchecked(id, u64::MAX)?;
+        }
+        Ok(())
+    }
+
     /// Reads the file through that the lights of a large scene stay in, and says whether it is whole, or there is none. A damaged one
     /// is removed: it is made anew when the scene is next opened.
     pub fn verify_lights(&self, id: &SceneId) -> bool {

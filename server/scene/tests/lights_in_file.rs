@@ -65,8 +65,13 @@ fn lights_in_a_file_are_those_in_memory() {
         let ingested = scene(&store, |light| light, has_terrain);
         let (id, path) = (ingested.metadata().id.clone(), file(&store, &ingested));
         let in_memory = store.store.open(&id).unwrap();
+        store.store.store_lights(&id).unwrap();
         assert!(!path.exists(), "few lights stay in memory");
         let kept = in_file(&store);
+        kept.store_lights(&id).unwrap();
+        let made = path.metadata().unwrap().modified().unwrap();
+        kept.store_lights(&id).unwrap();
+        assert_eq!(path.metadata().unwrap().modified().unwrap(), made, "what is there is not made again");
         let first = kept.open(&id).unwrap();
         let written = std::fs::metadata(&path).unwrap().modified().unwrap();
         let second = kept.open(&id).unwrap();

@@ -9448,8 +9448,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. Default: dark. */
-                ground?: "dark" | "lit" | "snow";
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. Default: dark. */
+                ground?: "dark" | "lit" | "snow" | "water";
                 /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. Default: standard. */
                 dynamic_range?: "standard" | "hdr";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
@@ -9953,8 +9953,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. */
-                ground?: "dark" | "lit" | "snow";
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. */
+                ground?: "dark" | "lit" | "snow" | "water";
                 /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. */
                 dynamic_range?: "standard" | "hdr";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
@@ -10439,8 +10439,8 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; or the same under snow. Allowed: dark, lit, snow. */
-                ground?: "dark" | "lit" | "snow";
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. */
+                ground?: "dark" | "lit" | "snow" | "water";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;
                 /** @description Height of the sky in the picture, without the legend; the default depends on projection and format. Width times height is at most 8 388 608 pixels. Allowed: a whole number from 16 to 4096. */

@@ -170,7 +170,7 @@ export function landOf(state: State, scene: Scene | null = sceneOf(state)): Land
 }
 
 /** Share of light that the ground reflects, as the server has it. */
-const ALBEDO: Record<LandKind, number> = { dark: 0, lit: 0.15, snow: 0.75 };
+const ALBEDO: Record<LandKind, number> = { dark: 0, lit: 0.15, snow: 0.75, water: 0.15 };
 const W_M2_OF_NW_CM2 = 1e-5;
 
 /** Luminance of the ground around the eye: what it reflects of the sky's light, and what its own lamps send up; 0 where it is dark. */

@@ -47,8 +47,8 @@ export type ResponseName = (typeof RESPONSES)[number];
 /** More than these are no longer seen side by side. */
 export const MAX_PINS = 5;
 
-/** How the land below the skyline is shown to eye and camera: as a silhouette, in the light that falls on it, or so under snow. */
-export const LANDS = ["dark", "lit", "snow"] as const;
+/** How the land below the skyline is shown to eye and camera: as a silhouette, in the light that falls on it, so under snow, or with level ground as water. */
+export const LANDS = ["dark", "lit", "snow", "water"] as const;
 export type LandKind = (typeof LANDS)[number];
 
 export type TerrainKind = "on" | "off";

@@ -51,6 +51,7 @@ export function captionLines(
     `${say.assumptions.lamps}: ${lampTitle(lamp)}`,
     `${say.assumptions.clouds}: ${cloudsTitle(clouds, cloudCover / 100)}`,
     ...(land === "snow" ? [`${say.sky.land}: ${say.sky.landSnow}`] : []),
+    ...(land === "water" ? [`${say.sky.land}: ${say.sky.landWater}`] : []),
   ];
   const illustrative = scene.illustrative && !/illustrative/i.test(scene.attribution ?? "") ? say.scene.illustrative : "";
   const credit = ["Skyglow", scene.title, scene.date ?? "", scene.attribution ?? "", illustrative];

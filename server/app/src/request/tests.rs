@@ -325,6 +325,8 @@ fn lit_ground_needs_colours_and_terrain() {
         ("ground=lit&style=eye&terrain=off", Some("terrain=on")),
         ("ground=dark&terrain=off", None),
         ("ground=lit&style=eye", None),
+        ("ground=water&style=eye", None),
+        ("ground=water", Some("style=realistic or style=eye")),
         ("ground=snow&style=realistic&terrain=on", None),
     ] {
         let errors = read(&format!("lat=-1&lon=36&{query}")).err().map(|error| error.field_errors().to_vec());

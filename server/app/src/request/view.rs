@@ -52,6 +52,7 @@ fn read_ground(reader: &mut Reader, style: Style) -> GroundStyle {
     let ground = match reader.choice(&p::GROUND) {
         Some("lit") => GroundStyle::Lit,
         Some("snow") => GroundStyle::Snow,
+        Some("water") => GroundStyle::Water,
         _ => GroundStyle::Dark,
     };
     if ground != GroundStyle::Dark && matches!(style, Style::FalseColour { .. }) {

@@ -159,6 +159,7 @@ impl Ingest {
             }
             error => Failure::work(error),
         })?;
+        store.store_lights(&scene.id).map_err(Failure::work)?;
         if self.json.json {
             print::print_json(&scene)
         } else {

@@ -125,6 +125,7 @@ export const page = {
     landDark: "dark",
     landLit: "as it is lit",
     landSnow: "under snow",
+    landWater: "lit, level ground is water",
     unit: "Unit",
     unitRatio: "× natural sky",
   },

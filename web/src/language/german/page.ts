@@ -119,6 +119,7 @@ export const page: PageWords = {
     landDark: "dunkel",
     landLit: "wie beleuchtet",
     landSnow: "unter Schnee",
+    landWater: "beleuchtet, Ebenes ist Wasser",
     unit: "Einheit",
     unitRatio: "× natürlich",
   },

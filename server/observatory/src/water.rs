@@ -1,0 +1,209 @@
+//! Calm water as a mirror: level ground reflects the sky, the land behind it and lamps in the plane of sight (`docs/model.md#lit-ground`).
+
+use skyglow_physics::{
+    AZIMUTH_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, SeenLight, fresnel::water_reflectance,
+    horizon::terrain_elevation_tangent,
+};
+use skyglow_scene::GroundLine;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Share of the illuminance that calm water sends back from below its surface.
+pub(crate) const WATER_ALBEDO: f64 = 0.02;
+/// Steepest slope of water along a line: bilinear terrain between equal heights, but for rounding.
+const LEVEL: f64 = 1e-7;
+
+/// A point of water that is seen.
+#[derive(Clone, Copy, Debug)]
+struct Water {
+    /// Its place in the line.
+    at: usize,
+    /// tan of the angle between the ray and the water, above 0.
+    grazing: f64,
+}
+
+/// Water along one azimuth, front to back.
+#[derive(Debug, Default)]
+pub(crate) struct WaterLine(Vec<Water>);
+
+impl WaterLine {
+    /// Ground of a line that is as level as lakes and the sea are in terrain models: a neighbour is exactly as high.
+    pub(crate) fn of(line: &GroundLine, eye_altitude_m: f64) -> Self {
+        let seen = &line.seen;
+        let as_high = |at: usize, beside: Option<usize>| {
+            let beside = beside.and_then(|beside| seen.get(beside));
+            beside.is_some_and(|beside| {
+                let apart_m = (beside.distance_m - seen[at].distance_m).abs();
+                (beside.altitude_m - seen[at].altitude_m).abs() <= LEVEL * apart_m
+            })
+        };
+        let water = |at: usize| {
+            let ground = &seen[at];
+            let is_level = as_high(at, at.checked_sub(1)) || as_high(at, Some(at + 1));
+            // From the water the eye is as high as the ray is steep.
+            let grazing = terrain_elevation_tangent(ground.altitude_m, eye_altitude_m, ground.distance_m);
+            (is_level && grazing > 0.0).then_some(Water { at, grazing })
+        };
+        Self((0..seen.len()).filter_map(water).collect())
+    }
+
+    /// Whether there is none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Puts what water mirrors into the light of a line, which is as it leaves the ground.
+    ///
+    /// * `sky`: of a direction above the horizon. `below`: what comes from under the surface.
+    /// * `through`: light of ground at a place in the line after the air between that and another place.
+    pub(crate) fn mirror(
+        &self,
+        line: &GroundLine,
+        light: &mut [SeenLight],
+        sky: impl Fn(Direction) -> SeenLight,
+        below: SeenLight,
+        through: impl Fn(SeenLight, [usize; 2]) -> SeenLight,
+    ) {
+        let is_water = |at: &usize| self.0.binary_search_by_key(at, |water| water.at).is_ok();
+        let land: Vec<usize> = (0..line.seen.len()).filter(|at| !is_water(at)).collect();
+        for water in &self.0 {
+            let ground = &line.seen[water.at];
+            // The first land behind that rises to the mirrored ray.
+            let behind = &land[land.partition_point(|at| *at < water.at)..];
+            let behind = behind.iter().find(|&&at| {
+                let (distance_m, rise_m) = (
+                    line.seen[at].distance_m - ground.distance_m,
+                    line.seen[at].altitude_m - ground.altitude_m,
+                );
+                rise_m / distance_m - distance_m / (2.0 * EARTH_RADIUS_M) >= water.grazing
+            });
+            let elevation_rad = water.grazing.atan();
+            let mirrored = match behind {
+                Some(&at) => through(light[at], [at, water.at]),
+                None => sky(Direction { azimuth_rad: line.azimuth_rad, elevation_rad }),
+            };
+            let share = water_reflectance(elevation_rad.sin());
+            light[water.at] = std::array::from_fn(|i| share * mirrored[i] + (1.0 - share) * below[i]);
+        }
+    }
+
+    /// Where a light is seen in the water, tan of its elevation, and the share that is reflected.
+    pub(crate) fn image(&self, line: &GroundLine, light: MirroredLight) -> Option<(f64, f64)> {
+        // Where the ray to the eye is as steep as that to the light; before it is steeper, behind less.
+        let excess = |water: &Water| {
+            let ground = &line.seen[water.at];
+            let towards = match light {
+                MirroredLight::Beyond { tangent } => tangent + ground.distance_m / EARTH_RADIUS_M,
+                MirroredLight::At { distance_m, altitude_m } => {
+                    let distance_m = distance_m - ground.distance_m;
+                    if distance_m <= 0.0 {
+                        return f64::NEG_INFINITY;
+                    }
+                    terrain_elevation_tangent(ground.altitude_m, altitude_m, distance_m)
+                }
+            };
+            water.grazing - towards
+        };
+        self.0.windows(2).find_map(|pair| {
+            let [near, far] = [&pair[0], &pair[1]];
+            let is_one_surface = far.at == near.at + 1 && !line.seen[far.at].is_behind_ridge;
+            let (before, after) = (excess(near), excess(far));
+            if !is_one_surface || before < 0.0 || after >= 0.0 || !after.is_finite() {
+                return None;
+            }
+            let weight = before / (before - after);
+            let between = |low: f64, high: f64| low + weight * (high - low);
+            let grazing = between(near.grazing, far.grazing);
+            let tangent = between(line.seen[near.at].tangent, line.seen[far.at].tangent);
+            Some((tangent, water_reflectance(grazing.atan().sin())))
+        })
+    }
+}
+
+/// What is seen in water.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum MirroredLight {
+    /// A lamp.
+    At {
+        /// From the eye, metres.
+        distance_m: f64,
+        /// Metres above sea level.
+        altitude_m: f64,
+    },
+    /// Moon or Sun.
+    Beyond {
+        /// tan of its elevation.
+        tangent: f64,
+    },
+}
+
+/// Between the samples of a panorama, `[row][column]`, at a direction above the horizon.
+pub(crate) fn sample(plane: &[f32], direction: Direction) -> f64 {
+    let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64 - 0.5)
+        .clamp(0.0, (ELEVATION_COUNT - 1) as f64);
+    let column = direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64;
+    let (low, left) = (row as usize, column as usize % AZIMUTH_COUNT);
+    let (up, across) = (row - low as f64, column.fract());
+    let at = |row: usize, column: usize| {
+        plane
+            .get(row.min(ELEVATION_COUNT - 1) * AZIMUTH_COUNT + column % AZIMUTH_COUNT)
+            .copied()
+            .map_or(0.0, f64::from)
+    };
+    let of_row = |row: usize| (1.0 - across) * at(row, left) + across * at(row, left + 1);
+    (1.0 - up) * of_row(low) + up * of_row(low + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyglow_physics::Slope;
+    use skyglow_scene::SeenGround;
+
+    const EYE_M: f64 = 10.0;
+
+    /// A lake at 0 m from 100 m to 2 km, and behind it a slope that rises to 300 m at 4 km.
+    fn lake() -> GroundLine {
+        let ground = |distance_m: f64, altitude_m: f64| SeenGround {
+            tangent: terrain_elevation_tangent(EYE_M, altitude_m, distance_m),
+            distance_m,
+            altitude_m,
+            slope: Slope::of_gradient(0.0, if altitude_m > 0.0 { 0.15 } else { 0.0 }),
+            is_behind_ridge: false,
+        };
+        let water = (1..=20).map(|step| ground(100.0 * f64::from(step), 0.0));
+        let slope = (1..=20).map(|step| ground(2_000.0 + 100.0 * f64::from(step), 15.0 * f64::from(step)));
+        GroundLine { azimuth_rad: 1.0, seen: water.chain(slope).collect() }
+    }
+
+    /// Near water mirrors the sky, far water the slope behind it.
+    #[test]
+    fn it_mirrors_sky_and_land() {
+        let line = lake();
+        let water = WaterLine::of(&line, EYE_M);
+        assert_eq!(water.0.len(), 20);
+        let mut light = vec![[7.0; 4]; line.seen.len()];
+        water.mirror(&line, &mut light, |direction| [direction.elevation_rad; 4], [0.0; 4], |light, _| light);
+        // 10 m over 100 m: 5.7°, above the slope's 4.3°.
+        let grazing = 0.1f64.atan();
+        assert!((light[0][1] / (water_reflectance(grazing.sin()) * grazing) - 1.0).abs() < 1e-3, "{light:?}");
+        let far = (EYE_M / 1_500.0).atan();
+        assert!((light[14][1] / (7.0 * water_reflectance(far.sin())) - 1.0).abs() < 1e-3, "{light:?}");
+        assert_eq!(light[25], [7.0; 4]);
+    }
+
+    /// A lamp's image is where a plane mirror has it.
+    #[test]
+    fn lamps_are_seen_where_a_mirror_has_them() {
+        let line = lake();
+        let water = WaterLine::of(&line, EYE_M);
+        let lamp = MirroredLight::At { distance_m: 2_200.0, altitude_m: 38.0 };
+        let (tangent, share) = water.image(&line, lamp).unwrap();
+        // As deep below the water as it stands above: 48 m below the eye.
+        assert!((tangent / (-48.0 / 2_200.0) - 1.0).abs() < 0.02, "{tangent}");
+        assert!((0.8..1.0).contains(&share), "{share}");
+        // The Moon at 2° is seen 2° below the horizontal plane, one at 30° nowhere: there is shore.
+        let (tangent, _) = water.image(&line, MirroredLight::Beyond { tangent: 0.035 }).unwrap();
+        assert!((tangent / -0.035 - 1.0).abs() < 0.02, "{tangent}");
+        assert!(water.image(&line, MirroredLight::Beyond { tangent: 0.577 }).is_none());
+    }
+}

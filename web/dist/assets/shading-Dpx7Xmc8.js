@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-BVMnan4h.js";
