@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The pictures of docs/guide.md that show the night, whose light it is, what if, and what to dim, from a running server.
 
-Usage: docs/figures.py SERVER SCENE FOLDER [gallery|night|land|clouds|natural|ground|slopes|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
+Usage: docs/figures.py SERVER SCENE FOLDER [gallery|night|land|water|clouds|natural|ground|slopes|swaps]: all, or one of those. Made for the Black Marble year of Kenya (VNP46A4, 2023): the sites are there.
 `slopes` alone needs two maps in FOLDER, slope.tif and horizontal.tif, each by
 skyglow atlas --scene demo --bounds 7.4,45.6,9.8,47.0 --measure slope -o FOLDER/slope.tif
 On Debian: apt-get install python3-requests python3-rasterio python3-pil python3-matplotlib
@@ -202,6 +202,14 @@ def land():
     ])
 
 
+def water():
+    """A town on the coast of the demo, before land and in calm water."""
+    look = {"lat": 44.25, "lon": 8.6, "height": 30, "projection": "perspective", "azimuth": 312, "elevation": 2, "fov": 42, "width": 780, "height_px": 390,
+            "style": "eye", "adaptation": 0.002, "time": "2026-08-12T22:30:00Z", "legend": "off"}
+    see = lambda ground: labelled(picture(f"{API}/scenes/demo/panorama.png", **look, ground=ground), f"ground={ground}")
+    side_by_side("water", [[see("lit"), see("water")]])
+
+
 def clouds():
     """A town on a lake of the demo under no clouds, some, more and a closed layer, by starlight, and a valley there by the full Moon."""
     see = lambda words, **params: labelled(picture(f"{API}/scenes/demo/panorama.png", legend="off", style="eye", **params), words)
@@ -391,6 +399,8 @@ def main():
         night()
     if not alone or "land" in alone:
         land()
+    if not alone or "water" in alone:
+        water()
     if not alone or "clouds" in alone:
         clouds()
     if not alone or "natural" in alone:

@@ -67,18 +67,31 @@ impl WaterLine {
         let land: Vec<usize> = (0..line.seen.len()).filter(|at| !is_water(at)).collect();
         for water in &self.0 {
             let ground = &line.seen[water.at];
+            let tangent = |at: usize| {
+                let behind = &line.seen[at];
+                let distance_m = behind.distance_m - ground.distance_m;
+                (behind.altitude_m - ground.altitude_m) / distance_m - distance_m / (2.0 * EARTH_RADIUS_M)
+            };
             // The first land behind that rises to the mirrored ray.
             let behind = &land[land.partition_point(|at| *at < water.at)..];
-            let behind = behind.iter().find(|&&at| {
-                let (distance_m, rise_m) = (
-                    line.seen[at].distance_m - ground.distance_m,
-                    line.seen[at].altitude_m - ground.altitude_m,
-                );
-                rise_m / distance_m - distance_m / (2.0 * EARTH_RADIUS_M) >= water.grazing
-            });
+            let behind = behind.iter().copied().find(|&at| tangent(at) >= water.grazing);
             let elevation_rad = water.grazing.atan();
             let mirrored = match behind {
-                Some(&at) => through(light[at], [at, water.at]),
+                Some(at) => {
+                    // The ray meets it between that point and the land before it.
+                    let before = at - 1;
+                    let is_slope = !line.seen[at].is_behind_ridge && before > water.at && !is_water(&before);
+                    let weight = if is_slope {
+                        let (low, high) = (tangent(before), tangent(at));
+                        ((water.grazing - low) / (high - low)).clamp(0.0, 1.0)
+                    } else {
+                        1.0
+                    };
+                    let land = std::array::from_fn(|i| {
+                        light[before][i] + weight * (light[at][i] - light[before][i])
+                    });
+                    through(land, [at, water.at])
+                }
                 None => sky(Direction { azimuth_rad: line.azimuth_rad, elevation_rad }),
             };
             let share = water_reflectance(elevation_rad.sin());
