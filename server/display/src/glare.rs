@@ -75,7 +75,8 @@ impl<const PLANES: usize> Halo<PLANES> {
         (angle_deg < HALO_DEG).then(|| self.illuminance_lx.map(|lx| more * lx))
     }
 
-    fn far(&self, direction: Direction) -> [f64; PLANES] {
+    /// What it adds to the veil of the samples, cd m⁻², as if it were no nearer than the halo's edge.
+    pub(crate) fn far(&self, direction: Direction) -> [f64; PLANES] {
         let part = veil_facing(between_deg(direction, self.direction).max(HALO_DEG));
         self.illuminance_lx.map(|lx| part * lx)
     }

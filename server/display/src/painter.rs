@@ -132,8 +132,13 @@ impl<'a> Painter<'a> {
             Painter::Eye { glare, halos, eye, .. } => {
                 let above = Direction { elevation_rad: direction.elevation_rad.max(0.0), ..direction };
                 let mut veil = glare.at(&taps(above)?);
-                for more in halos.iter().filter_map(|halo| halo.near(direction)) {
-                    veil.iter_mut().zip(more).for_each(|(veil, more)| *veil += more);
+                for halo in halos {
+                    let more = halo.near(direction).unwrap_or_default();
+                    // Of Moon and Sun the veil is as far from them as the ground is, not as its horizon.
+                    let (here, there) = (halo.far(direction), halo.far(above));
+                    for (i, veil) in veil.iter_mut().enumerate() {
+                        *veil = (*veil + here[i] - there[i]).max(0.0) + more[i];
+                    }
                 }
                 light.iter_mut().zip(veil).for_each(|(light, veil)| *light += veil);
                 let linear = eye.linear(light, dazzle(light[1], veil[1]));

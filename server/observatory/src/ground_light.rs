@@ -76,7 +76,13 @@ pub fn lit_ground(
     };
     let patches = Patches::new(scene, &lamps);
     let water: Vec<WaterLine> = if wanted.has_water {
-        lines.par_iter().map(|line| WaterLine::of(line, eye_altitude_m)).collect()
+        let of_line = |line: &GroundLine| {
+            WaterLine::of(line, eye_altitude_m, |at| {
+                let distance_m = line.seen[at].distance_m;
+                patches.is_lit(scene, || eye.place(line.azimuth_rad, distance_m))
+            })
+        };
+        lines.par_iter().map(of_line).collect()
     } else {
         lines.iter().map(|_| WaterLine::default()).collect()
     };
@@ -131,10 +137,14 @@ pub fn lit_ground(
         let azimuth_rad = towards.x.atan2(towards.y);
         let tangent = towards.z / towards.x.hypot(towards.y);
         let at = ground.line_at(azimuth_rad).filter(|_| tangent > 0.0);
-        let image = at.and_then(|at| water[at].image(&lines[at], MirroredLight::Beyond { tangent }));
-        if let Some((tangent, share)) = image {
-            let direction = Direction { azimuth_rad, elevation_rad: tangent.atan() };
-            points.push((direction, lx.map(|lx| share * lx)));
+        let image = at.and_then(|at| {
+            let image = water[at].image(&lines[at], MirroredLight::Beyond { tangent })?;
+            Some((image, lines[at].seen[image.at]))
+        });
+        if let Some((image, ground)) = image {
+            let through = eye.through(ground.altitude_m, ground.distance_m);
+            let direction = Direction { azimuth_rad, elevation_rad: image.tangent.atan() };
+            points.push((direction, std::array::from_fn(|i| image.share * through[i] * lx[i])));
         }
     }
     ground.lamps = points;
@@ -351,6 +361,16 @@ impl Patches {
         patches
     }
 
+    /// Whether the pixel of a place sends up light.
+    fn is_lit(&self, scene: &Scene, place: impl Fn() -> GeoPoint) -> bool {
+        let position = if self.light.is_empty() { None } else { scene.position_at(place()) };
+        let Some((column, row)) = position else { return false };
+        let (column, row) = (column - f64::from(self.first[0]), row - f64::from(self.first[1]));
+        let height = self.light.len() / self.width;
+        let is_inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < height as f64;
+        is_inside && self.light[row as usize * self.width + column as usize] != [0.0; 4]
+    }
+
     /// Adds that of a place, bilinear between the middles of pixels.
     fn add(&self, scene: &Scene, place: impl Fn() -> GeoPoint, light: &mut SeenLight) {
         let position = if self.light.is_empty() { None } else { scene.position_at(place()) };
@@ -445,8 +465,8 @@ fn lamps_of(
         let azimuth_rad = bearing.azimuth_rad;
         let direction = Direction { azimuth_rad, elevation_rad: tangent.atan() };
         let image = water[at_line].image(line, MirroredLight::At { distance_m, altitude_m });
-        let image = image.map(|(tangent, share)| {
-            (Direction { azimuth_rad, elevation_rad: tangent.atan() }, lx.map(|lx| share * lx))
+        let image = image.map(|image| {
+            (Direction { azimuth_rad, elevation_rad: image.tangent.atan() }, lx.map(|lx| image.share * lx))
         });
         Some([Some((direction, lx)), image])
     };

@@ -4,13 +4,15 @@ use skyglow_physics::{
     AZIMUTH_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, SeenLight, fresnel::water_reflectance,
     horizon::terrain_elevation_tangent,
 };
-use skyglow_scene::GroundLine;
+use skyglow_scene::{GroundLine, SeenGround};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Share of the illuminance that calm water sends back from below its surface.
 pub(crate) const WATER_ALBEDO: f64 = 0.02;
 /// Steepest slope of water along a line: bilinear terrain between equal heights, but for rounding.
 const LEVEL: f64 = 1e-7;
+/// So many points in a row have a slope of 0 where there is water.
+const LEVEL_POINTS: usize = 3;
 
 /// A point of water that is seen.
 #[derive(Clone, Copy, Debug)]
@@ -26,24 +28,31 @@ struct Water {
 pub(crate) struct WaterLine(Vec<Water>);
 
 impl WaterLine {
-    /// Ground of a line that is as level as lakes and the sea are in terrain models: a neighbour is exactly as high.
-    pub(crate) fn of(line: &GroundLine, eye_altitude_m: f64) -> Self {
+    /// Ground of a line that is as level as lakes and the sea are in terrain models: stretches in which each point is exactly as high as
+    /// the next, somewhere with a slope of 0 over so many points. None of it is lit: `is_lit` says so by the place in the line.
+    pub(crate) fn of(line: &GroundLine, eye_altitude_m: f64, is_lit: impl Fn(usize) -> bool) -> Self {
         let seen = &line.seen;
-        let as_high = |at: usize, beside: Option<usize>| {
-            let beside = beside.and_then(|beside| seen.get(beside));
-            beside.is_some_and(|beside| {
-                let apart_m = (beside.distance_m - seen[at].distance_m).abs();
-                (beside.altitude_m - seen[at].altitude_m).abs() <= LEVEL * apart_m
-            })
+        let is_level = |before: &SeenGround, ground: &SeenGround| {
+            let apart_m = ground.distance_m - before.distance_m;
+            (ground.altitude_m - before.altitude_m).abs() <= LEVEL * apart_m
         };
-        let water = |at: usize| {
-            let ground = &seen[at];
-            let is_level = as_high(at, at.checked_sub(1)) || as_high(at, Some(at + 1));
+        let mut water = Vec::new();
+        let mut first = 0;
+        for stretch in seen.chunk_by(is_level) {
+            let places = first..first + stretch.len();
+            first = places.end;
+            let flat = stretch.split(|ground| ground.slope.steepness_rad > 0.0).map(<[_]>::len).max();
+            if flat.is_none_or(|flat| flat < LEVEL_POINTS) || places.clone().any(&is_lit) {
+                continue;
+            }
             // From the water the eye is as high as the ray is steep.
-            let grazing = terrain_elevation_tangent(ground.altitude_m, eye_altitude_m, ground.distance_m);
-            (is_level && grazing > 0.0).then_some(Water { at, grazing })
-        };
-        Self((0..seen.len()).filter_map(water).collect())
+            let grazing = |ground: &SeenGround| {
+                terrain_elevation_tangent(ground.altitude_m, eye_altitude_m, ground.distance_m)
+            };
+            let of_stretch = places.zip(stretch).map(|(at, ground)| Water { at, grazing: grazing(ground) });
+            water.extend(of_stretch.filter(|water| water.grazing > 0.0));
+        }
+        Self(water)
     }
 
     /// Whether there is none.
@@ -66,12 +75,7 @@ impl WaterLine {
         let is_water = |at: &usize| self.0.binary_search_by_key(at, |water| water.at).is_ok();
         let land: Vec<usize> = (0..line.seen.len()).filter(|at| !is_water(at)).collect();
         for water in &self.0 {
-            let ground = &line.seen[water.at];
-            let tangent = |at: usize| {
-                let behind = &line.seen[at];
-                let distance_m = behind.distance_m - ground.distance_m;
-                (behind.altitude_m - ground.altitude_m) / distance_m - distance_m / (2.0 * EARTH_RADIUS_M)
-            };
+            let tangent = |at: usize| tangent_from(line, water.at, at);
             // The first land behind that rises to the mirrored ray.
             let behind = &land[land.partition_point(|at| *at < water.at)..];
             let behind = behind.iter().copied().find(|&at| tangent(at) >= water.grazing);
@@ -99,8 +103,8 @@ impl WaterLine {
         }
     }
 
-    /// Where a light is seen in the water, tan of its elevation, and the share that is reflected.
-    pub(crate) fn image(&self, line: &GroundLine, light: MirroredLight) -> Option<(f64, f64)> {
+    /// Where a light is seen in the water; None where land before it hides it there.
+    pub(crate) fn image(&self, line: &GroundLine, light: MirroredLight) -> Option<Image> {
         // Where the ray to the eye is as steep as that to the light; before it is steeper, behind less.
         let excess = |water: &Water| {
             let ground = &line.seen[water.at];
@@ -116,20 +120,51 @@ impl WaterLine {
             };
             water.grazing - towards
         };
-        self.0.windows(2).find_map(|pair| {
+        let found = self.0.windows(2).find_map(|pair| {
             let [near, far] = [&pair[0], &pair[1]];
             let is_one_surface = far.at == near.at + 1 && !line.seen[far.at].is_behind_ridge;
             let (before, after) = (excess(near), excess(far));
             if !is_one_surface || before < 0.0 || after >= 0.0 || !after.is_finite() {
                 return None;
             }
+            let reach_m = match light {
+                MirroredLight::Beyond { .. } => f64::INFINITY,
+                MirroredLight::At { distance_m, .. } => distance_m,
+            };
+            let towards = near.grazing - before;
+            let mut between =
+                (far.at + 1..line.seen.len()).take_while(|&at| line.seen[at].distance_m < reach_m);
+            if between.any(|at| tangent_from(line, near.at, at) > towards) {
+                return Some(None);
+            }
             let weight = before / (before - after);
             let between = |low: f64, high: f64| low + weight * (high - low);
-            let grazing = between(near.grazing, far.grazing);
-            let tangent = between(line.seen[near.at].tangent, line.seen[far.at].tangent);
-            Some((tangent, water_reflectance(grazing.atan().sin())))
-        })
+            Some(Some(Image {
+                tangent: between(line.seen[near.at].tangent, line.seen[far.at].tangent),
+                share: water_reflectance(between(near.grazing, far.grazing).atan().sin()),
+                at: near.at,
+            }))
+        });
+        found.flatten()
     }
+}
+
+/// tan of the elevation of a point of a line from another before it.
+fn tangent_from(line: &GroundLine, from: usize, at: usize) -> f64 {
+    let (from, to) = (&line.seen[from], &line.seen[at]);
+    let distance_m = to.distance_m - from.distance_m;
+    (to.altitude_m - from.altitude_m) / distance_m - distance_m / (2.0 * EARTH_RADIUS_M)
+}
+
+/// A light in water.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Image {
+    /// tan of its elevation.
+    pub(crate) tangent: f64,
+    /// Share of its light that the water reflects.
+    pub(crate) share: f64,
+    /// Place in the line of the water that it is seen in.
+    pub(crate) at: usize,
 }
 
 /// What is seen in water.
@@ -170,7 +205,6 @@ pub(crate) fn sample(plane: &[f32], direction: Direction) -> f64 {
 mod tests {
     use super::*;
     use skyglow_physics::Slope;
-    use skyglow_scene::SeenGround;
 
     const EYE_M: f64 = 10.0;
 
@@ -192,7 +226,7 @@ mod tests {
     #[test]
     fn it_mirrors_sky_and_land() {
         let line = lake();
-        let water = WaterLine::of(&line, EYE_M);
+        let water = WaterLine::of(&line, EYE_M, |_| false);
         assert_eq!(water.0.len(), 20);
         let mut light = vec![[7.0; 4]; line.seen.len()];
         water.mirror(&line, &mut light, |direction| [direction.elevation_rad; 4], [0.0; 4], |light, _| light);
@@ -208,15 +242,28 @@ mod tests {
     #[test]
     fn lamps_are_seen_where_a_mirror_has_them() {
         let line = lake();
-        let water = WaterLine::of(&line, EYE_M);
+        let water = WaterLine::of(&line, EYE_M, |_| false);
         let lamp = MirroredLight::At { distance_m: 2_200.0, altitude_m: 38.0 };
-        let (tangent, share) = water.image(&line, lamp).unwrap();
+        let Image { tangent, share, .. } = water.image(&line, lamp).unwrap();
         // As deep below the water as it stands above: 48 m below the eye.
         assert!((tangent / (-48.0 / 2_200.0) - 1.0).abs() < 0.02, "{tangent}");
         assert!((0.8..1.0).contains(&share), "{share}");
-        // The Moon at 2° is seen 2° below the horizontal plane, one at 30° nowhere: there is shore.
-        let (tangent, _) = water.image(&line, MirroredLight::Beyond { tangent: 0.035 }).unwrap();
-        assert!((tangent / -0.035 - 1.0).abs() < 0.02, "{tangent}");
-        assert!(water.image(&line, MirroredLight::Beyond { tangent: 0.577 }).is_none());
+        // One at 1 m there stands behind the slope before it.
+        assert!(water.image(&line, MirroredLight::At { distance_m: 2_650.0, altitude_m: 20.0 }).is_none());
+        // The Moon at 5° is seen 5° below the horizontal plane, at 2° the slope of 4.3° hides it, and at 30° there is no water.
+        let moon = |tangent| water.image(&line, MirroredLight::Beyond { tangent }).map(|image| image.tangent);
+        assert!((moon(0.09).unwrap() / -0.09 - 1.0).abs() < 0.02);
+        assert_eq!((moon(0.035), moon(0.577)), (None, None));
+    }
+
+    /// Lit ground is no water, nor is what is level at single points.
+    #[test]
+    fn lit_and_sloping_ground_is_land() {
+        let mut line = lake();
+        assert!(WaterLine::of(&line, EYE_M, |at| at == 7).is_empty());
+        for ground in line.seen.iter_mut().step_by(2) {
+            ground.slope = Slope::of_gradient(0.01, 0.0);
+        }
+        assert!(WaterLine::of(&line, EYE_M, |_| false).is_empty());
     }
 }

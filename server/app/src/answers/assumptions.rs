@@ -353,8 +353,8 @@ fn overcast_warnings(lights: &LightsUnderClouds) -> [Option<String>; 2] {
     });
     let lights_at_clouds = (at_clouds > MUCH_AT_CLOUDS).then(|| {
         format!(
-            "{:.0} % of the light around is less than 100 m below the base of the clouds: tables know no lights there, and \
-             single directions can be 20 % off",
+            "{:.0} % of the light around is less than 100 m below the base of the clouds: tables know no lights there; the \
+             sky can be 15 % off, single directions 20 to 40 %",
             100.0 * at_clouds
         )
     });

@@ -159,7 +159,10 @@ impl Ingest {
             }
             error => Failure::work(error),
         })?;
-        store.store_lights(&scene.id).map_err(Failure::work)?;
+        // The scene is there without: who opens it first makes it then.
+        if let Err(error) = store.store_lights(&scene.id) {
+            tracing::warn!("the file that its lights stay in could not be made: {error}");
+        }
         if self.json.json {
             print::print_json(&scene)
         } else {

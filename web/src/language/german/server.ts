@@ -208,8 +208,8 @@ export const server: ServerWords = {
       "der Standort liegt {} m über den Lichtern in der Nähe: dort sind Richtungen in den untersten 10° eines bedeckten Himmels meist 10 bis 30 % falsch, einzelne bis 90 %",
     ],
     [
-      "{} % of the light around is less than 100 m below the base of the clouds: tables know no lights there, and single directions can be 20 % off",
-      "{} % des Lichts der Umgebung liegen weniger als 100 m unter der Wolkenuntergrenze: dort kennen die Tabellen keine Lichter, und einzelne Richtungen können um 20 % abweichen",
+      "{} % of the light around is less than 100 m below the base of the clouds: tables know no lights there; the sky can be 15 % off, single directions 20 to 40 %",
+      "{} % des Lichts der Umgebung liegen weniger als 100 m unter der Wolkenuntergrenze: dort kennen die Tabellen keine Lichter; der Himmel kann um 15 %, einzelne Richtungen können um 20 bis 40 % abweichen",
     ],
     ["lights behind ridges count as if they were not: {}", "Lichter hinter Bergen zählen so, als stünden die Berge nicht da: {}"],
     [

@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-Clx6cZSa.js";

@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-BVMnan4h.js";
