@@ -13,6 +13,10 @@ pub(crate) const WATER_ALBEDO: f64 = 0.02;
 const LEVEL: f64 = 1e-7;
 /// So many points in a row have a slope of 0 where there is water.
 const LEVEL_POINTS: usize = 3;
+/// A lamp stands so far behind the water that it is seen in, metres.
+const NEAREST_SHORE_M: f64 = 1.0;
+/// Halvings of the distance in which an image lies: to 10⁻⁶ of it.
+const HALVINGS: usize = 20;
 
 /// A point of water that is seen.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +29,10 @@ struct Water {
 
 /// Water along one azimuth, front to back.
 #[derive(Debug, Default)]
-pub(crate) struct WaterLine(Vec<Water>);
+pub(crate) struct WaterLine {
+    points: Vec<Water>,
+    eye_altitude_m: f64,
+}
 
 impl WaterLine {
     /// Ground of a line that is as level as lakes and the sea are in terrain models: stretches in which each point is exactly as high as
@@ -54,12 +61,12 @@ impl WaterLine {
             let of_stretch = places.zip(stretch).map(|(at, ground)| Water { at, grazing: grazing(ground) });
             water.extend(of_stretch.filter(|water| water.grazing > 0.0));
         }
-        Self(water)
+        Self { points: water, eye_altitude_m }
     }
 
     /// Whether there is none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.points.is_empty()
     }
 
     /// Puts what water mirrors into the light of a line, which is as it leaves the ground.
@@ -74,9 +81,9 @@ impl WaterLine {
         below: SeenLight,
         through: impl Fn(SeenLight, [usize; 2]) -> SeenLight,
     ) {
-        let is_water = |at: &usize| self.0.binary_search_by_key(at, |water| water.at).is_ok();
+        let is_water = |at: &usize| self.points.binary_search_by_key(at, |water| water.at).is_ok();
         let land: Vec<usize> = (0..line.seen.len()).filter(|at| !is_water(at)).collect();
-        for water in &self.0 {
+        for water in &self.points {
             let tangent = |at: usize| tangent_from(line, water.at, at);
             // The first land behind that rises to the mirrored ray.
             let behind = &land[land.partition_point(|at| *at < water.at)..];
@@ -107,43 +114,44 @@ impl WaterLine {
 
     /// Where a light is seen in the water; None where land before it hides it there.
     pub(crate) fn image(&self, line: &GroundLine, light: MirroredLight) -> Option<Image> {
-        // Where the ray to the eye is as steep as that to the light; before it is steeper, behind less.
-        let excess = |water: &Water| {
-            let ground = &line.seen[water.at];
-            let towards = match light {
-                MirroredLight::Beyond { tangent } => tangent + ground.distance_m / EARTH_RADIUS_M,
-                MirroredLight::At { distance_m, altitude_m } => {
-                    let distance_m = distance_m - ground.distance_m;
-                    if distance_m <= 0.0 {
-                        return f64::NEG_INFINITY;
-                    }
-                    terrain_elevation_tangent(ground.altitude_m, altitude_m, distance_m)
-                }
-            };
-            water.grazing - towards
+        let reach_m = match light {
+            MirroredLight::Beyond { .. } => f64::INFINITY,
+            MirroredLight::At { distance_m, .. } => distance_m - NEAREST_SHORE_M,
         };
-        let found = self.0.windows(2).find_map(|pair| {
+        let found = self.points.windows(2).find_map(|pair| {
             let [near, far] = [&pair[0], &pair[1]];
-            let is_one_surface = far.at == near.at + 1 && !line.seen[far.at].is_behind_ridge;
-            let (before, after) = (excess(near), excess(far));
-            if !is_one_surface || before < 0.0 || after >= 0.0 || !after.is_finite() {
+            if far.at != near.at + 1 || line.seen[far.at].is_behind_ridge {
                 return None;
             }
-            let reach_m = match light {
-                MirroredLight::Beyond { .. } => f64::INFINITY,
-                MirroredLight::At { distance_m, .. } => distance_m,
+            let water_m = line.seen[near.at].altitude_m;
+            let to_eye = |at_m: f64| terrain_elevation_tangent(water_m, self.eye_altitude_m, at_m);
+            let to_light = |at_m: f64| match light {
+                MirroredLight::Beyond { tangent } => tangent + at_m / EARTH_RADIUS_M,
+                MirroredLight::At { distance_m, altitude_m } => {
+                    terrain_elevation_tangent(water_m, altitude_m, distance_m - at_m)
+                }
             };
-            let towards = near.grazing - before;
-            let mut between =
-                (far.at + 1..line.seen.len()).take_while(|&at| line.seen[at].distance_m < reach_m);
-            if between.any(|at| tangent_from(line, near.at, at) > towards) {
+            // Before its image the ray to the eye is steeper than that to the light, behind it less steep.
+            let is_before = |at_m: f64| to_eye(at_m) >= to_light(at_m);
+            let (mut low_m, mut high_m) =
+                (line.seen[near.at].distance_m, line.seen[far.at].distance_m.min(reach_m));
+            if low_m >= high_m || !is_before(low_m) || is_before(high_m) {
+                return None;
+            }
+            for _ in 0..HALVINGS {
+                let middle_m = 0.5 * (low_m + high_m);
+                *(if is_before(middle_m) { &mut low_m } else { &mut high_m }) = middle_m;
+            }
+            let towards = to_light(low_m);
+            let mut land = (far.at + 1..line.seen.len())
+                .take_while(|&at| line.seen[at].distance_m < reach_m)
+                .map(|at| tangent_from(line, near.at, at));
+            if land.any(|tangent| tangent > towards) {
                 return Some(None);
             }
-            let weight = before / (before - after);
-            let between = |low: f64, high: f64| low + weight * (high - low);
             Some(Some(Image {
-                tangent: between(line.seen[near.at].tangent, line.seen[far.at].tangent),
-                share: water_reflectance(between(near.grazing, far.grazing).atan().sin()),
+                tangent: terrain_elevation_tangent(self.eye_altitude_m, water_m, low_m),
+                share: water_reflectance(to_eye(low_m).atan().sin()),
                 at: near.at,
             }))
         });
@@ -229,7 +237,7 @@ mod tests {
     fn it_mirrors_sky_and_land() {
         let line = lake();
         let water = WaterLine::of(&line, EYE_M, |_| false);
-        assert_eq!(water.0.len(), 20);
+        assert_eq!(water.points.len(), 20);
         let mut light = vec![[7.0; 4]; line.seen.len()];
         water.mirror(&line, &mut light, |direction| [direction.elevation_rad; 4], [0.0; 4], |light, _| light);
         // 10 m over 100 m: 5.7°, above the slope's 4.3°.
@@ -262,7 +270,7 @@ mod tests {
     #[test]
     fn lit_and_sloping_ground_is_land() {
         let mut line = lake();
-        assert_eq!(WaterLine::of(&line, EYE_M, |at| at < 10).0.len(), 20);
+        assert_eq!(WaterLine::of(&line, EYE_M, |at| at < 10).points.len(), 20);
         assert!(WaterLine::of(&line, EYE_M, |at| at < 11).is_empty());
         for ground in line.seen.iter_mut().step_by(2) {
             ground.slope = Slope::of_gradient(0.01, 0.0);

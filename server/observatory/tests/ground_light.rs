@@ -5,7 +5,9 @@ mod common;
 
 use common::{engine, sky, store_town_on};
 use skyglow_observatory::{GroundRequest, Observatory, ObserverHeight, RenderedSky, SkyRequest, lit_ground};
-use skyglow_physics::{AZIMUTH_COUNT, Direction, LitGround, fresnel::water_reflectance};
+use skyglow_physics::{
+    AZIMUTH_COUNT, Direction, LitGround, aerial_perspective::AirBetween, fresnel::water_reflectance,
+};
 use skyglow_render::DeviceChoice;
 use skyglow_scene::GroundSight;
 use std::{
@@ -86,24 +88,32 @@ fn the_towns_lamps_are_seen_in_its_direction() {
 fn water_mirrors_the_sky_and_the_town() {
     let data = tempfile::tempdir().unwrap();
     store_town_on(data.path(), 1.0, &|_, _| 1000.25);
-    let [(land, ..), (water, sky, _)] =
+    let [(land, ..), (water, sky, request)] =
         [false, true].map(|has_water| ground_at(data.path(), -1.35, 36.5, (0.15, has_water)));
     let plane = sky.seen.seen_by(&skyglow_physics::Response::Photopic).unwrap();
-    let (row, column) = looking(300.0, 40.0).nearest_sample();
-    let share = water_reflectance(40.0f64.to_radians().sin());
+    // At a sample: column 213, row 28.
+    let (azimuth_deg, elevation_deg) = (213.0 * 360.0 / 256.0, 28.5 * 90.0 / 64.0);
+    let (row, column) = looking(azimuth_deg, elevation_deg).nearest_sample();
+    let share = water_reflectance(elevation_deg.to_radians().sin());
     let mirrored = share * f64::from(plane[row * AZIMUTH_COUNT + column]);
-    let expected = mirrored + (1.0 - share) * 0.02 * sky.quantities.horizontal_illuminance_lx / PI;
-    let found = water.light(looking(300.0, -40.0)).unwrap()[1];
-    assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
+    let sent = mirrored + (1.0 - share) * 0.02 * sky.quantities.horizontal_illuminance_lx / PI;
+    // Water is so dark there that the air of 78 m counts.
+    let path_m = 50.0 / elevation_deg.to_radians().sin();
+    let [_, through, ..] = AirBetween::new(request.turbidity).transmittance([1_050.0, 1_000.0], path_m);
+    let horizon = plane[column - 4..=column + 4].iter().map(|value| f64::from(*value)).sum::<f64>() / 9.0;
+    let expected = through * sent + (1.0 - through) * horizon;
+    let found = water.light(looking(azimuth_deg, -elevation_deg)).unwrap()[1];
+    assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     assert_eq!(water.lamps.len(), 2 * land.lamps.len());
-    let eye_m = 50.0;
+    // Above the water, both together, metres; the Earth's curvature makes the ray less steep.
+    let heights_m = 58.0;
     for pair in water.lamps.chunks_exact(2) {
         let [(lamp, lx), (image, mirrored_lx)] = pair else { panic!("{pair:?}") };
-        // 8 m above the water, so 16 m lower in the mirror.
+        // 8 m above the water, so 16 m lower in the mirror, less as the Earth is a convex one.
         let distance_m = 16.0 / (lamp.elevation_rad.tan() - image.elevation_rad.tan());
-        assert!((10_000.0..16_000.0).contains(&distance_m), "{distance_m}");
+        assert!((11_000.0..18_000.0).contains(&distance_m), "{distance_m}");
         assert_eq!(lamp.azimuth_rad, image.azimuth_rad);
         let share = mirrored_lx[1] / lx[1];
-        assert!((water_reflectance(eye_m / distance_m)..1.0).contains(&share), "{share}");
+        assert!((water_reflectance(heights_m / distance_m)..1.0).contains(&share), "{share}");
     }
 }
