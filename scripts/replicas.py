@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Two servers over one store, on loopback: an S3 server (moto) for what is kept, Redis for limits and drafts. `replicas.py [OPTIONS]`.
+With --azurite its program `azurite-blob` (`npm install azurite`) is asked instead, as Azure Blob Storage.
 
 1. What one keeps the other reads, lists and removes; how long until the first sees that.
 2. A draft of one is read at the other, and a client's burst counts at both together.
@@ -11,7 +12,7 @@
 Ends with 1 at the first thing that is not so. moto goes into an environment in the build folder, Debian's redis-server is installed
 where it is missing.
 """
-import argparse, http.client, json, os, pathlib, random, shutil, signal, socket, subprocess, sys, tempfile, threading, time, zlib
+import argparse, base64, email.utils, hashlib, hmac, http.client, json, os, pathlib, random, shutil, signal, socket, subprocess, sys, tempfile, threading, time, zlib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
@@ -71,7 +72,32 @@ def start_s3(work):
     STARTED.append(process)
     until_listening(port, process, "moto's S3 server")
     require(send(port, "PUT", f"/{BUCKET}", timeout=30)[0] == 200, "no bucket can be made")
-    return port, process
+    variables = {"AWS_ENDPOINT": f"http://127.0.0.1:{port}", "AWS_ALLOW_HTTP": "true", "AWS_ACCESS_KEY_ID": "test",
+                 "AWS_SECRET_ACCESS_KEY": "test", "AWS_REGION": "us-east-1"}
+    return f"s3://{BUCKET}/{PREFIX}", variables, process
+
+
+# Of every Azurite, as its documentation has them.
+AZURITE_ACCOUNT = "devstoreaccount1"
+AZURITE_KEY = "Eby8vdM02xNOcqFlqUwJPLlmEtlCDXJ1OUzFT50uSRZ6IFsuFq2UVErCz4I6tq/K1SZFPTOtr/KBHBeksoGMGw=="
+
+
+def start_azurite(work, program):
+    port = free_port()
+    command = [program, "--silent", "--location", work / "azurite", "--blobPort", str(port), "--skipApiVersionCheck"]
+    process = subprocess.Popen(command, stdout=open(work / "azurite.log", "ab"), stderr=subprocess.STDOUT)
+    STARTED.append(process)
+    until_listening(port, process, "Azurite")
+    # A container, by the rules of shared keys.
+    headers = {"x-ms-date": email.utils.formatdate(usegmt=True), "x-ms-version": "2021-08-06"}
+    signed = "PUT" + 5 * "\n" + "application/json" + 7 * "\n" + "".join(f"{name}:{value}\n" for name, value in headers.items())
+    signed += f"/{AZURITE_ACCOUNT}/{AZURITE_ACCOUNT}/{BUCKET}\nrestype:container"
+    digest = hmac.new(base64.b64decode(AZURITE_KEY), signed.encode(), hashlib.sha256).digest()
+    headers |= {"Authorization": f"SharedKey {AZURITE_ACCOUNT}:{base64.b64encode(digest).decode()}", "Content-Length": "0"}
+    answer = send(port, "PUT", f"/{AZURITE_ACCOUNT}/{BUCKET}?restype=container", headers=headers, timeout=30)
+    require(answer[0] == 201, "no container can be made:", answer[2])
+    variables = {"AZURE_STORAGE_USE_EMULATOR": "true", "AZURITE_BLOB_STORAGE_URL": f"http://127.0.0.1:{port}"}
+    return f"az://{BUCKET}/{PREFIX}", variables, process
 
 
 def start_redis(work):
@@ -90,18 +116,17 @@ def start_redis(work):
 class Server:
     """The program over the store, with a data folder of its own."""
 
-    def __init__(self, options, folder, s3_port, redis_port, wait=True):
+    def __init__(self, options, folder, store, redis_port, wait=True):
         self.folder, self.port = folder, free_port()
         folder.mkdir(exist_ok=True)
         token = folder / "token"
         token.write_text(TOKEN)
         command = [options.program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", folder / "data", "--packs", ROOT / "precomputed",
-                   "--device", "cpu", "--trusted-proxies", "127.0.0.1/32", "--operator-token-file", token, "--store", f"s3://{BUCKET}/{PREFIX}",
+                   "--device", "cpu", "--trusted-proxies", "127.0.0.1/32", "--operator-token-file", token, "--store", store[0],
                    "--requests-per-second", "20", "--request-burst", str(BURST), "--kept-per-day", "0", "--work-per-minute-s", "0",
                    "--memory-budget-bytes", str(256 << 20)]
-        env = {k: v for k, v in os.environ.items() if not k.startswith(("SKYGLOW_", "AWS_"))}
-        env |= {"AWS_ENDPOINT": f"http://127.0.0.1:{s3_port}", "AWS_ALLOW_HTTP": "true", "AWS_ACCESS_KEY_ID": "test",
-                "AWS_SECRET_ACCESS_KEY": "test", "AWS_REGION": "us-east-1", "RUST_LOG": "info",
+        env = {k: v for k, v in os.environ.items() if not k.startswith(("SKYGLOW_", "AWS_", "AZURE_", "AZURITE_", "GOOGLE_"))}
+        env |= store[1] | {"RUST_LOG": "info",
                 "SKYGLOW_VALKEY": f"redis://:{PASSWORD}@127.0.0.1:{redis_port}"}
         self.process = subprocess.Popen([str(part) for part in command], stdout=open(folder / "log", "ab"), stderr=subprocess.STDOUT, env=env)
         STARTED.append(self.process)
@@ -307,9 +332,9 @@ def lose_redis(redis, a, b):
     say("Redis killed: requests and drafts go on at each server, one warning, skyglow_valkey_away is 1")
 
 
-def hang_store(options, s3, start, b, kept):
+def hang_store(process, start, b, kept):
     # B has copies of all; one that it has not is another's, kept a moment before.
-    s3.send_signal(signal.SIGSTOP)
+    process.send_signal(signal.SIGSTOP)
     began = time.monotonic()
     answer = b.ask("GET", "/api/v1/scenarios/s-0123456789abcdef0123")
     took_s = time.monotonic() - began
@@ -320,7 +345,7 @@ def hang_store(options, s3, start, b, kept):
     require(answer[0] == 503, "kept while the store hangs:", answer[0])
     refused = start("d", wait=False)
     require(refused.process.wait(180) != 0 and "store" in refused.log(), "a server starts without its store:", refused.log()[-500:])
-    s3.send_signal(signal.SIGCONT)
+    process.send_signal(signal.SIGCONT)
     until("the store goes on", lambda: b.ask("POST", f"{DEMO}/scenarios", paint(8))[0] == 201, 30)
     require(b.ask("GET", "/api/v1/scenarios/s-0123456789abcdef0123")[0] == 404, "what nobody kept is not unknown")
     say(f"store hangs: 503 store-away after {took_s:.1f} s, copies are read, nothing is kept, no server starts; then it goes on")
@@ -332,12 +357,13 @@ def main():
     parser.add_argument("--scenes", type=pathlib.Path, help="folder of scenes with the demo, which takes a while to make")
     parser.add_argument("--seconds", type=float, default=20, help="of load")
     parser.add_argument("--clients", type=int, default=4)
+    parser.add_argument("--azurite", type=pathlib.Path, help="program of Azurite's blob service, in the place of S3")
     options = parser.parse_args()
     work = pathlib.Path(tempfile.mkdtemp(prefix="skyglow-replicas-"))
     try:
-        s3_port, s3 = start_s3(work)
+        store = start_azurite(work, options.azurite) if options.azurite else start_s3(work)
         redis_port, redis = start_redis(work)
-        start = lambda name, wait=True: Server(options, work / name, s3_port, redis_port, wait)
+        start = lambda name, wait=True: Server(options, work / name, store, redis_port, wait)
         # The first makes the demo, unless it is there; scenes are copied, as a volume that all mount would bring them.
         if options.scenes:
             (work / "a/data").mkdir(parents=True)
@@ -352,7 +378,7 @@ def main():
         share_drafts_and_rates(a, b)
         a, kept = kill_one_under_load(options, a, b, start)
         lose_redis(redis, a, b)
-        hang_store(options, s3, start, b, kept)
+        hang_store(store[2], start, b, kept)
         say("passed")
     finally:
         for process in STARTED:

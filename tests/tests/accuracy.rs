@@ -132,20 +132,23 @@ fn demo_skies_match_the_stored_reference() {
     }
 }
 
-/// A map of every place against the skies of single places, at the zenith with light behind skylines hidden, and on the ground without
-/// terrain: what far light taken together and tables between altitudes cost.
+/// A map of every place against the skies of single places, at the zenith with light behind skylines hidden, on the ground without
+/// terrain, and under clouds: what far light taken together and tables between altitudes cost.
 #[test]
 fn each_place_is_that_of_its_panorama() {
     let id = SceneId::parse("demo").unwrap();
     // At a pack and between packs.
-    for (turbidity, max_places, measure) in [
-        (2.5, 20_000, MapMeasure::Zenith),
-        (3.0, 5_000, MapMeasure::Zenith),
-        (2.5, 5_000, MapMeasure::Mean),
-        (2.5, 5_000, MapMeasure::Horizontal),
+    for (turbidity, max_places, measure, cloud_base_m) in [
+        (2.5, 20_000, MapMeasure::Zenith, None),
+        (3.0, 5_000, MapMeasure::Zenith, None),
+        (2.5, 5_000, MapMeasure::Mean, None),
+        (2.5, 5_000, MapMeasure::Horizontal, None),
+        (2.5, 5_000, MapMeasure::Horizontal, Some(3_000)),
+        (2.5, 5_000, MapMeasure::Zenith, Some(1_500)),
     ] {
         let turbidity = Turbidity::new(turbidity).unwrap();
         let request = BrightnessRequest {
+            cloud_base_m,
             scene: id.clone(),
             scenario: None,
             turbidity,
@@ -162,30 +165,37 @@ fn each_place_is_that_of_its_panorama() {
         let lattice = map.places().lattice();
         let mut errors: Vec<f64> = (0..lattice.len())
             .step_by(lattice.len() / 60)
-            .map(|at| {
+            .filter_map(|at| {
                 let (column, row) = (at as u32 % lattice.columns, at as u32 / lattice.columns);
                 let place = map.open_scene().lattice_place(lattice, column, row);
                 let sky = SkyRequest {
+                    cloud_base_m,
                     terrain_hides: request.terrain_hides,
                     ..open_sky(id.clone(), place, turbidity)
                 };
-                let found = OBSERVATORY.sky_blocking(&sky).unwrap().quantities;
+                let sky = OBSERVATORY.sky_blocking(&sky);
+                let of_map = f64::from(map.places().values()[at]);
+                // Ground at the clouds has no value in either.
+                assert_eq!(sky.is_ok(), of_map.is_finite(), "{place:?}");
+                let found = sky.ok()?.quantities;
                 let wanted = match measure {
                     MapMeasure::Zenith => found.zenith_luminance_cd_m2,
                     MapMeasure::Mean => found.mean_luminance_cd_m2,
                     _ => found.horizontal_illuminance_lx,
                 };
-                (f64::from(map.places().values()[at]) / wanted - 1.0).abs()
+                (wanted > 1.7e-8).then(|| (of_map / wanted - 1.0).abs())
             })
             .collect();
         errors.sort_by(f64::total_cmp);
         let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
         println!(
-            "{measure:?}, turbidity {}: {median:.5} in the median, {largest:.5} at most",
+            "{measure:?}, turbidity {}, clouds {cloud_base_m:?}: {median:.5} in the median, {largest:.5} at most",
             turbidity.value()
         );
         // Beside a lamp most light is low in the sky, and its distance counts to the metre.
         let most = if measure == MapMeasure::Zenith { 0.03 } else { 0.08 };
-        assert!(median <= 0.003 && largest <= most, "{median} {largest}");
+        // Under clouds lights near the base count by their depth, which blocks of lights blur.
+        let most_in_median = if cloud_base_m.is_some() { 0.006 } else { 0.003 };
+        assert!(median <= most_in_median && largest <= most, "{median} {largest}");
     }
 }

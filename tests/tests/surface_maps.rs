@@ -63,6 +63,7 @@ fn surfaces_are_lit_as_panoramas_say() {
         let SkyRequest { scene, scattering, lamp, response, emission, .. } =
             sky(here, turbidity, light, terrain_hides);
         let request = BrightnessRequest {
+            cloud_base_m: None,
             scene,
             scenario: None,
             turbidity,

@@ -36,8 +36,9 @@ fn ground_request(view: &PictureRequest, format: Format) -> Option<GroundRequest
     let in_total = view.options.sky == Sky::Total;
     let sight =
         GroundSight { azimuths: view.options.azimuths(), lowest_tangent: view.options.lowest_tangent() };
-    let has_water = view.options.ground == GroundStyle::Water;
-    Some(GroundRequest { sight, albedo, in_total, has_water })
+    let [has_snow, has_water] =
+        [GroundStyle::Snow, GroundStyle::Water].map(|style| view.options.ground == style);
+    Some(GroundRequest { sight, albedo, has_snow, in_total, has_water })
 }
 
 /// Draws and encodes what was rendered for a request in a scene; takes milliseconds to a second. Every format carries its assumptions, and says so where the
@@ -120,7 +121,7 @@ fn notes(assumptions: &Assumptions, options: &PictureOptions) -> Result<Notes, s
         GroundStyle::Dark => {}
         GroundStyle::Lit => words.push_str(", the ground as it is lit"),
         GroundStyle::Snow => words.push_str(", the ground under snow"),
-        GroundStyle::Water => words.push_str(", the ground as it is lit, level ground as calm water"),
+        GroundStyle::Water => words.push_str(", the ground as it is lit, water calm"),
     }
     Ok(Notes::new(&notes::description(words, scene.illustrative), &serde_json::to_string(assumptions)?))
 }

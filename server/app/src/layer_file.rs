@@ -45,7 +45,7 @@ pub fn brightness_layer(
 ) -> Result<Vec<u8>, AppError> {
     let assumptions = serde_json::to_string(assumptions).map_err(AppError::internal)?;
     let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", assumptions.as_str())];
-    let what = brightness_shows(map.measure, map.light, &map.response);
+    let what = brightness_shows(map.measure, map.light, map.cloud_base_m, &map.response);
     let shows = match map.places().lattice().step {
         1 => what,
         step => {

@@ -62,7 +62,12 @@ impl MapFrame {
             crs_wkt: metadata.grid.crs_wkt.clone(),
             bounds: metadata.bounds,
             unit: request.measure.unit(request.response.unit()),
-            description: brightness_shows(request.measure, request.light, &request.response),
+            description: brightness_shows(
+                request.measure,
+                request.light,
+                request.cloud_base_m,
+                &request.response,
+            ),
             colour_range: request.measure.colour_range(&request.response),
             attribution: metadata.attribution.clone(),
             date: metadata.date.clone(),

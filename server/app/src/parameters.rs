@@ -267,7 +267,8 @@ parameters! {
     /// Exposure of realistic and eye, stops; at 0 a sky of 0.001 cd m⁻² is middle grey in realistic, as at f/2, 15 s and ISO 3 200.
     EXPOSURE = "exposure", Kind::Number { minimum: -12.0, maximum: 12.0, unit: " EV" }, "0", false;
     /// Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under
-    /// snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water.
+    /// snow; or `water`: the same where water is calm: that of the scene's land cover, or without one all ground that is exactly level, as lakes
+    /// and the sea are in most terrain models. A scene with land cover has its albedo, another 0.15 everywhere.
     GROUND = "ground", Kind::Choice(&["dark", "lit", "snow", "water"]), "dark", false;
     /// Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky.
     ADAPTATION = "adaptation", Kind::Number { minimum: 1e-4, maximum: 1e5, unit: " cd/m2" }, "", false;
@@ -394,7 +395,7 @@ parameter_sets! {
     ];
     /// Those of the zenith's brightness at every place.
     BrightnessParameters = [
-        MAP_MEASURE, SKY, TIME, SOLAR_FLUX, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, TERRAIN, SCENARIO,
+        MAP_MEASURE, SKY, TIME, SOLAR_FLUX, TURBIDITY, SCATTERING, LAMP, RESPONSE, EMISSION, DIRECT_UPLIGHT, GROUND_REFLECTANCE, EMISSION_KEEP, CLOUDS, TERRAIN, SCENARIO,
     ];
     /// Those of darker places near a place.
     DarkerParameters = [

@@ -92,8 +92,8 @@ pub(crate) struct PartialSettings {
     /// Places in a map of the zenith's brightness at most; in larger scenes pixels share one by blocks [default: 1200000]
     #[arg(long, env = "SKYGLOW_BRIGHTNESS_PLACES", value_name = "N", help_heading = "Limits")]
     pub(crate) brightness_places: Option<usize>,
-    /// Object store where servers share scenes, scenarios and plans: s3://BUCKET/PREFIX (with AWS_* variables), or
-    /// file:///FOLDER that all of them mount [default: none, and they are kept in the data folder]
+    /// Object store where servers share scenes, scenarios and plans: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or
+    /// az://CONTAINER/PREFIX (with AWS_*, GOOGLE_* or AZURE_* variables), or file:///FOLDER that all of them mount [default: none, and they are kept in the data folder]
     #[arg(long, env = "SKYGLOW_STORE", value_name = "URL")]
     pub(crate) store: Option<String>,
     /// Valkey or Redis where servers share limits and drafts: redis://:PASSWORD@HOST:6379 [default: none, each has its own]

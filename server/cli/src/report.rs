@@ -63,6 +63,9 @@ pub(crate) fn rows(scene: &SceneMetadata) -> Vec<Vec<String>> {
             rows.count("terrain missing", &terrain.missing, true);
         }
     }
+    if scene.land_cover {
+        rows.add("land cover", "pictures light the ground by it");
+    }
     if scene.places_count > 0 {
         let source = scene.places_source.as_ref().map_or(String::new(), |source| format!(" ({source})"));
         rows.add("places", format!("{}{source}", scene.places_count));

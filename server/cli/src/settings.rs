@@ -227,6 +227,8 @@ pub(crate) fn line_of(text: &str, error: &toml::de::Error) -> usize {
 pub(crate) fn open_store(address: &str) -> Result<Arc<KeptStore>, Failure> {
     let variables = std::env::vars_os()
         .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
-    let options: Vec<_> = variables.filter(|(name, _)| name.starts_with("AWS_")).collect();
+    let options: Vec<_> = variables
+        .filter(|(name, _)| KeptStore::VARIABLES.iter().any(|start| name.starts_with(start)))
+        .collect();
     KeptStore::open(address, &options).map(Arc::new).map_err(Failure::work)
 }

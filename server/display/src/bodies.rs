@@ -4,11 +4,13 @@
 use crate::{
     eye::Seen,
     glare::{Glare, Halo, even_background_cd_m2},
-    ground::without_ground,
     projection::View,
+};
+use skyglow_physics::{
+    Direction, Horizon, Response, SeenSky,
+    photometry::naked_eye_limit_mag,
     sampler::{Sampler, taps},
 };
-use skyglow_physics::{Direction, Horizon, Response, SeenSky, photometry::naked_eye_limit_mag};
 use std::{borrow::Cow, f64::consts::PI};
 
 /// Width of a star in the dark-adapted eye, standard deviation of a Gaussian: some 4′.
@@ -57,7 +59,7 @@ impl<'a> Behind<'a> {
     /// A sky with Moon and Sun before it; None for one without luminance.
     pub fn of(sky: &'a SeenSky, discs: &[Disc], horizon: &Horizon) -> Option<Self> {
         let halos: Vec<Halo<1>> = halos(discs, horizon).iter().map(Halo::photopic).collect();
-        let sky = without_ground(sky, horizon);
+        let sky = sky.without_ground(horizon);
         let glare = Glare::new([sky.seen_by(&Response::Photopic)?], &halos);
         Some(Self { sky, glare, halos })
     }

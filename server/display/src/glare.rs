@@ -1,11 +1,11 @@
 //! Light that the eye scatters over what it looks at: the general disability glare equation (CIE 146:2002; Vos 2003), which is Stiles
 //! and Holladay's 10/θ² at middle angles.
 
-use crate::sampler::Taps;
 use rayon::prelude::*;
 use skyglow_physics::{
     AZIMUTH_COUNT, Direction, ELEVATION_COUNT,
     panorama::{azimuth_rad, elevation_rad, solid_angle_sr},
+    sampler::Taps,
 };
 use std::{
     f64::consts::{FRAC_PI_2, TAU},

@@ -1,8 +1,7 @@
 //! Ground that hides the sky: what is seen in its place, and what lies just above it.
 
 use image::{Rgb, RgbImage};
-use skyglow_physics::{AZIMUTH_COUNT, Direction, ELEVATION_COUNT, Horizon, SeenSky};
-use std::borrow::Cow;
+use skyglow_physics::{Direction, Horizon};
 
 /// Ground that hides the sky: a neutral brown-grey, lighter than the dark end of every colour map but Viridis' and
 /// without the saturated hue of that one, so that it is not taken for a dark sky.
@@ -11,28 +10,6 @@ pub const TERRAIN_RGB: [u8; 3] = [58, 54, 49];
 pub const DARK_TERRAIN_RGB: [u8; 3] = [2, 2, 3];
 /// The line along its upper edge: light and as neutral, so that the edge is seen before any colour.
 pub const SKYLINE_RGB: [u8; 3] = [164, 156, 144];
-
-/// The sky with its hidden samples filled from the lowest visible one of their column, as the lowest row holds
-/// down to an open horizon: between the profile and the first visible row the sky then has its colour, and none of
-/// the ground's darkness runs into it. Visible samples stay bit for bit.
-pub(crate) fn without_ground<'a>(sky: &'a SeenSky, horizon: &Horizon) -> Cow<'a, SeenSky> {
-    if horizon.is_flat() {
-        return Cow::Borrowed(sky);
-    }
-    let mut filled = sky.clone();
-    for place in 0..sky.responses().len() {
-        let values = filled.plane_mut(place);
-        for column in 0..AZIMUTH_COUNT {
-            let lowest = horizon.first_visible_row(column);
-            if lowest == ELEVATION_COUNT {
-                continue;
-            }
-            let value = values[lowest * AZIMUTH_COUNT + column];
-            (0..lowest).for_each(|row| values[row * AZIMUTH_COUNT + column] = value);
-        }
-    }
-    Cow::Owned(filled)
-}
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +110,7 @@ mod tests {
     use crate::{
         Colormap, PictureOptions, Projection, Style, fixtures::grey_sky, picture, picture::GROUND_RGB,
     };
-    use skyglow_physics::Response;
+    use skyglow_physics::{AZIMUTH_COUNT, Response, SeenSky};
     use std::f64::consts::FRAC_PI_2;
 
     /// A hill in the east: 30° high at azimuth 90°, linear to 0 at 45° and 135°.

@@ -35,7 +35,6 @@ pub mod picture;
 pub mod projection;
 pub mod raster;
 pub mod realistic;
-pub mod sampler;
 mod text;
 pub mod tile;
 
@@ -51,4 +50,3 @@ pub use notes::Notes;
 pub use options::{DynamicRange, GroundStyle, PictureOptions, Projection, Sky, Style};
 pub use picture::{picture, picture_with};
 pub use raster::{FloatRaster, raster};
-pub use sampler::Sampler;

@@ -150,7 +150,7 @@ pub enum GroundStyle {
     Lit,
     /// The same under snow.
     Snow,
-    /// As it is lit, where level ground is calm water, which mirrors.
+    /// As it is lit, where water is calm, and mirrors.
     Water,
 }
 

@@ -11,10 +11,12 @@ use crate::{
     legend::Beyond,
     options::{PictureOptions, Style},
     realistic::ToneMap,
-    sampler::{Sampler, taps},
 };
 use rayon::prelude::*;
-use skyglow_physics::{Direction, Response, SKY_RESPONSES, SeenSky};
+use skyglow_physics::{
+    Direction, Response, SKY_RESPONSES, SeenSky,
+    sampler::{Sampler, taps},
+};
 
 /// Colours a sky.
 pub(crate) enum Painter<'a> {

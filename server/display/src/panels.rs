@@ -1,8 +1,8 @@
 //! Bilinear sampling along the rows of an equirectangular picture: every pixel of a row lies between the same two rows of the
 //! panorama, every pixel of a column between the same two columns. The same as [`taps`] pixel by pixel, to rounding.
 
-use crate::{projection::View, sampler::taps};
-use skyglow_physics::{AZIMUTH_COUNT, Direction};
+use crate::projection::View;
+use skyglow_physics::{AZIMUTH_COUNT, Direction, sampler::taps};
 use std::ops::Range;
 
 /// Where a picture's columns lie between the panorama's.

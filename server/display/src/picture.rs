@@ -5,7 +5,7 @@ use crate::{
     colormap::TABLE_LEN,
     error::DisplayError,
     eye::Seen,
-    ground::{GroundMap, Shown, TERRAIN_RGB, without_ground},
+    ground::{GroundMap, Shown, TERRAIN_RGB},
     ink::Ink,
     legend::{self, Beyond},
     lit::LitPicture,
@@ -79,7 +79,7 @@ pub(crate) struct Drawn<'a> {
 pub(crate) fn draw_sky<'a, I: Ink>(given: &Given<'a>, canvas: &mut [I]) -> Result<Drawn<'a>, DisplayError> {
     let Given { bodies, ground_light, seen, response, horizon, options } = *given;
     options.check()?;
-    let seen = without_ground(seen, horizon);
+    let seen = seen.without_ground(horizon);
     let painter = Painter::new(&seen, response, options, bodies.halos(horizon))?;
     let mut ground = GroundMap::new(horizon, (options.width_px, options.height_px));
     let view = View::new(options.projection, options.width_px, options.height_px);
@@ -302,7 +302,7 @@ mod tests {
         for horizon in [Horizon::flat(), Horizon::new(hills).unwrap()] {
             let options = plain(Projection::Equirectangular, 640, 150);
             let fast = picture(&panorama, &horizon, &options).unwrap();
-            let shown = without_ground(&panorama, &horizon);
+            let shown = panorama.without_ground(&horizon);
             let (painter, mut ground) = (
                 Painter::new(&shown, &Response::Photopic, &options, Vec::new()).unwrap(),
                 GroundMap::new(&horizon, (640, 150)),

@@ -2,12 +2,14 @@
 
 use crate::{
     error::DisplayError,
-    ground::without_ground,
     options::{Projection, check_size},
     projection::View,
-    sampler::{Sampler, taps},
 };
-use skyglow_physics::{Horizon, Response, SeenSky, spectrum::RGB_BANDS};
+use skyglow_physics::{
+    Horizon, Response, SeenSky,
+    sampler::{Sampler, taps},
+    spectrum::RGB_BANDS,
+};
 use std::borrow::Cow;
 
 /// Radiance in a projection, zenith at the top. A pixel is found when it is asked for: the largest raster takes no memory for its
@@ -78,7 +80,7 @@ pub fn raster<'a>(
     Ok(FloatRaster {
         width_px,
         height_px,
-        seen: without_ground(seen, horizon),
+        seen: seen.without_ground(horizon),
         response,
         horizon,
         view: View::new(projection, width_px, height_px),

@@ -1,10 +1,12 @@
-//! The store of what is kept, where several servers share one: a bucket of S3, or of what speaks as S3 does, or a folder that all
-//! of them mount.
+//! The store of what is kept, where several servers share one: a bucket of S3, or of what speaks as S3 does, of Google Cloud Storage or
+//! of Azure Blob Storage, or a folder that all of them mount.
 
 use futures_util::TryStreamExt;
 use object_store::{
     ClientConfigKey, Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutPayload, RetryConfig,
     aws::{AmazonS3Builder, AmazonS3ConfigKey},
+    azure::{AzureConfigKey, MicrosoftAzureBuilder},
+    gcp::{GoogleCloudStorageBuilder, GoogleConfigKey},
     local::LocalFileSystem,
     path::Path,
 };
@@ -31,7 +33,9 @@ const PIECE_BYTES: usize = 16 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum KeptStoreError {
     /// Not an address of one.
-    #[error("{address:?} is no store: s3://BUCKET/PREFIX, or file:///FOLDER that all servers mount")]
+    #[error(
+        "{address:?} is no store: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX, az://CONTAINER/PREFIX, or file:///FOLDER that all servers mount"
+    )]
     BadAddress {
         /// What was said.
         address: String,
@@ -57,9 +61,12 @@ pub struct KeptStore {
 }
 
 impl KeptStore {
+    /// Names of variables of the environment that have a store's credentials and endpoints begin so.
+    pub const VARIABLES: [&'static str; 3] = ["AWS_", "AZURE_", "GOOGLE_"];
+
     /// The store at an address.
     ///
-    /// * `options`: names and values of the variables `AWS_…`, which have credentials and endpoints of S3.
+    /// * `options`: names and values of such variables.
     ///
     /// # Errors
     /// [`KeptStoreError`].
@@ -67,30 +74,35 @@ impl KeptStore {
         let bad = || KeptStoreError::BadAddress { address: address.to_owned() };
         let refused = |reason: String| KeptStoreError::Refused { address: address.to_owned(), reason };
         let (scheme, rest) = address.split_once("://").ok_or_else(bad)?;
-        let (store, prefix): (Arc<dyn ObjectStore>, &str) = match scheme {
-            "s3" => {
-                let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
-                if bucket.is_empty() {
-                    return Err(bad());
+        let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+        if bucket.is_empty() && scheme != "file" {
+            return Err(bad());
+        }
+        // The builders have the same methods and no trait in common.
+        macro_rules! bucket {
+            ($builder:ty, $key:ty, $with_name:ident) => {{
+                let mut builder = <$builder>::new()
+                    .with_config(<$key>::Client(ClientConfigKey::Timeout), TRY_TIMEOUT)
+                    .with_config(<$key>::Client(ClientConfigKey::ConnectTimeout), CONNECT_TIMEOUT);
+                for (name, value) in options {
+                    // What else is in the environment is nothing to this store.
+                    if let Ok(key) = name.to_ascii_lowercase().parse::<$key>() {
+                        builder = builder.with_config(key, value);
+                    }
                 }
                 let retry = RetryConfig {
                     max_retries: MAX_RETRIES,
                     retry_timeout: TIMEOUT,
                     ..RetryConfig::default()
                 };
-                let client = AmazonS3ConfigKey::Client;
-                let mut builder = AmazonS3Builder::new()
-                    .with_config(client(ClientConfigKey::Timeout), TRY_TIMEOUT)
-                    .with_config(client(ClientConfigKey::ConnectTimeout), CONNECT_TIMEOUT);
-                for (name, value) in options {
-                    // What else is in the environment is nothing to S3.
-                    if let Ok(key) = name.to_ascii_lowercase().parse::<AmazonS3ConfigKey>() {
-                        builder = builder.with_config(key, value);
-                    }
-                }
-                let builder = builder.with_bucket_name(bucket).with_retry(retry);
-                (Arc::new(builder.build().map_err(|error| refused(words(&error)))?), prefix)
-            }
+                let builder = builder.$with_name(bucket).with_retry(retry);
+                Arc::new(builder.build().map_err(|error| refused(words(&error)))?)
+            }};
+        }
+        let (store, prefix): (Arc<dyn ObjectStore>, &str) = match scheme {
+            "s3" => (bucket!(AmazonS3Builder, AmazonS3ConfigKey, with_bucket_name), prefix),
+            "gs" => (bucket!(GoogleCloudStorageBuilder, GoogleConfigKey, with_bucket_name), prefix),
+            "az" => (bucket!(MicrosoftAzureBuilder, AzureConfigKey, with_container_name), prefix),
             "file" if rest.starts_with('/') && rest.len() > 1 => {
                 std::fs::create_dir_all(rest).map_err(|error| refused(error.to_string()))?;
                 let store = LocalFileSystem::new_with_prefix(rest).map_err(|error| refused(words(&error)))?;
@@ -335,9 +347,20 @@ mod tests {
         store.remove("plans/p-1.json").unwrap();
         store.remove("plans/p-1.json").unwrap();
         assert_eq!((store.get("plans/p-1.json").unwrap(), store.modified("a").unwrap()), (None, None));
-        for wrong in ["", "plans", "s3://", "file://plans", "file:///", "ftp://a/b"] {
+        for wrong in ["", "plans", "s3://", "gs:///a", "az://", "file://plans", "file:///", "ftp://a/b"] {
             assert!(matches!(KeptStore::open(wrong, &[]), Err(KeptStoreError::BadAddress { .. })), "{wrong}");
         }
+    }
+
+    /// What a store of a cloud lacks is said before anybody asks it.
+    #[test]
+    fn a_cloud_store_says_what_it_lacks() {
+        let told = KeptStore::open("az://kept/prefix", &[]).unwrap_err().to_string();
+        assert!(told.contains("az://kept/prefix") && told.to_ascii_lowercase().contains("account"), "{told}");
+        let emulator = ("AZURE_STORAGE_USE_EMULATOR".to_owned(), "true".to_owned());
+        assert!(KeptStore::open("az://kept/prefix", &[emulator]).is_ok());
+        let key = ("GOOGLE_SERVICE_ACCOUNT_KEY".to_owned(), "{".to_owned());
+        assert!(matches!(KeptStore::open("gs://kept", &[key]), Err(KeptStoreError::Refused { .. })));
     }
 
     /// It may be asked and dropped where nothing may wait.

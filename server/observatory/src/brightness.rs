@@ -17,6 +17,7 @@ use skyglow_render::RenderError;
 use skyglow_scene::{
     Observers, PatchStore, PlaceLattice, PlaceValues, PlaceWindow, RasterTile, Scene, SceneMetadata, SumWay,
 };
+use skyglow_tables::clouds::ceiling_m;
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -35,6 +36,8 @@ pub struct BrightnessMap {
     pub measure: MapMeasure,
     /// Which light.
     pub light: MapLight,
+    /// Base of the clouds, metres above sea level; None under a clear sky.
+    pub cloud_base_m: Option<u32>,
     /// What sees the sky.
     pub response: Response,
     /// How long each step took.
@@ -161,7 +164,7 @@ impl Observatory {
         let mut clock = Clock::new(Vec::new());
         let scene = Arc::clone(view.scene());
         let lattice = scene.place_lattice(request.max_places);
-        let observers_m = self.eye_range_m(&scene, lattice);
+        let observers_m = self.eye_range_m(&scene, request, lattice);
         clock.step("ground");
         let kernels =
             self.kernels(&scene, request, (lattice, observers_m), way, &mut |name| clock.step(name))?;
@@ -177,34 +180,59 @@ impl Observatory {
 
     /// Lowest and highest altitude of an eye over the places of a lattice, metres; None where nobody can be. Of a lattice too large to
     /// be looked at as a whole those that there can be, so that no part of a map depends on which part it is.
-    fn eye_range_m(&self, scene: &Scene, lattice: PlaceLattice) -> Option<[f32; 2]> {
+    fn eye_range_m(
+        &self,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        lattice: PlaceLattice,
+    ) -> Option<[f32; 2]> {
         if lattice.len() <= MAX_WHOLE_PLACES {
-            return self.observers(scene, lattice, lattice.whole()).altitude_range_m();
+            return self.observers(scene, request, lattice, lattice.whole()).altitude_range_m();
         }
-        let lowest_m = self.eye_m(0.0);
-        let [_, highest_m] = self.engine.info().altitude_range_m;
-        let highest_m = if scene.metadata().terrain { highest_m as f32 } else { lowest_m };
+        let lowest_m = self.eye_m(request, 0.0);
+        let [_, highest_m] = self.eye_limits_m(request);
+        let highest_m = if scene.metadata().terrain { highest_m } else { lowest_m };
         lowest_m.is_finite().then_some([lowest_m, highest_m])
     }
 
     /// Eyes at the places of a window.
-    fn observers(&self, scene: &Scene, lattice: PlaceLattice, window: PlaceWindow) -> Observers {
+    fn observers(
+        &self,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        lattice: PlaceLattice,
+        window: PlaceWindow,
+    ) -> Observers {
         let ground_m = scene.ground_altitudes_m(lattice.part(&window));
-        let altitudes_m = ground_m.into_iter().map(|ground_m| self.eye_m(ground_m)).collect();
+        let altitudes_m = ground_m.into_iter().map(|ground_m| self.eye_m(request, ground_m)).collect();
         Observers { lattice, window, altitudes_m }
     }
 
     /// Altitude of an eye at a place of a lattice, metres; NaN where nobody can be.
-    pub(crate) fn eye_at(&self, scene: &Scene, lattice: PlaceLattice, [column, row]: [u32; 2]) -> f32 {
+    pub(crate) fn eye_at(
+        &self,
+        scene: &Scene,
+        request: &BrightnessRequest,
+        lattice: PlaceLattice,
+        [column, row]: [u32; 2],
+    ) -> f32 {
         let place = PlaceWindow { columns: column..column + 1, rows: row..row + 1 };
-        self.observers(scene, lattice, place).altitudes_m.first().copied().unwrap_or(f32::NAN)
+        self.observers(scene, request, lattice, place).altitudes_m.first().copied().unwrap_or(f32::NAN)
+    }
+
+    /// Lowest and highest altitude of an eye, metres, that the packs reach: under clouds a hundred metres below their base.
+    fn eye_limits_m(&self, request: &BrightnessRequest) -> [f32; 2] {
+        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
+        let below_clouds_m =
+            request.cloud_base_m.map_or(f64::INFINITY, |base_m| ceiling_m(f64::from(base_m)));
+        [lowest_m, highest_m.min(below_clouds_m)].map(|limit_m| limit_m as f32)
     }
 
     /// Altitude of an eye over the ground, metres, as the packs reach it; NaN where it is higher.
-    pub(crate) fn eye_m(&self, ground_m: f32) -> f32 {
-        let [lowest_m, highest_m] = self.engine.info().altitude_range_m;
+    pub(crate) fn eye_m(&self, request: &BrightnessRequest, ground_m: f32) -> f32 {
+        let [lowest_m, highest_m] = self.eye_limits_m(request);
         let eye_m = ground_m + EYE_HEIGHT_M as f32;
-        if eye_m <= highest_m as f32 { eye_m.max(lowest_m as f32) } else { f32::NAN }
+        if eye_m <= highest_m { eye_m.max(lowest_m) } else { f32::NAN }
     }
 
     /// What is seen under an open sky at the places of a lattice; NaN where the altitude is.
@@ -279,6 +307,7 @@ impl PreparedBrightness {
             places,
             measure: self.request.measure,
             light: self.request.light,
+            cloud_base_m: self.request.cloud_base_m,
             response: self.request.response.clone(),
             steps: clock.steps,
         })
@@ -294,7 +323,7 @@ impl PreparedBrightness {
     ) -> Result<Vec<f32>, ObservatoryError> {
         let Self { scene, lattice, request, .. } = self;
         let summed = scene.summed_window(*lattice, &window, self.kernels.way());
-        let observers = observatory.observers(scene, *lattice, summed);
+        let observers = observatory.observers(scene, request, *lattice, summed);
         clock.step("ground");
         let wanted = OfWindow { store, window: &window };
         let sums = self.kernels.sums(scene, &observers, &wanted, &mut |name| clock.step(name))?;

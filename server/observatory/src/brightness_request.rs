@@ -19,7 +19,7 @@ pub enum MapLight {
     Total(Option<SkyTime>),
 }
 
-/// A request for one map of brightness: under a clear sky, two metres above the ground.
+/// A request for one map of brightness: under a clear sky or a closed layer of cloud, two metres above the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BrightnessRequest {
     /// The scene.
@@ -30,6 +30,8 @@ pub struct BrightnessRequest {
     pub turbidity: Turbidity,
     /// Orders of scattering, of which packs are resident.
     pub scattering: Scattering,
+    /// Base of a closed layer of cloud, metres above sea level, of which packs are resident; None under a clear sky.
+    pub cloud_base_m: Option<u32>,
     /// The lamp.
     pub lamp: Lamp,
     /// What of the sky.
@@ -48,6 +50,6 @@ pub struct BrightnessRequest {
 
 impl BrightnessRequest {
     pub(crate) fn kind(&self) -> PackKind {
-        PackKind { cloud_base_m: None, scattering: self.scattering }
+        PackKind { cloud_base_m: self.cloud_base_m, scattering: self.scattering }
     }
 }

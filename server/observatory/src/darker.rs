@@ -119,7 +119,9 @@ impl Observatory {
             return Ok(DarkerPlaces::default());
         };
         let mut candidates = candidates(scene, lattice, request);
-        let eye_m = |candidate: &Option<Candidate>| candidate.map_or(f32::NAN, |it| self.eye_m(it.value));
+        let eye_m = |candidate: &Option<Candidate>| {
+            candidate.map_or(f32::NAN, |it| self.eye_m(&request.brightness, it.value))
+        };
         let altitudes_m: Vec<f32> = candidates.iter().map(eye_m).collect();
         step("ground");
         let note = |done: f64| watch(done);
@@ -270,6 +272,7 @@ mod tests {
                 scenario: None,
                 turbidity: skyglow_physics::Turbidity::default(),
                 scattering: skyglow_tables::Scattering::Multiple,
+                cloud_base_m: None,
                 lamp: skyglow_physics::Lamp::default(),
                 measure: crate::MapMeasure::Zenith,
                 light: crate::MapLight::Artificial,

@@ -5,23 +5,21 @@ use crate::{
     error::ObservatoryError,
     scene_view::SceneView,
     sky::{RenderedSky, SkyRequest},
-    water::{MirroredLight, WATER_ALBEDO, WaterLine, sample},
+    sky_light::SkyLight,
+    water::{MirroredLight, WATER_ALBEDO, WaterLine},
 };
-use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::{
-    AZIMUTH_COUNT, BAND_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, Fixture, GeoPoint, LOBE_COUNT,
-    LitGround, LitLine, Lobe, SKY_RESPONSES, SeenLight, SeenSky, Slope, SourcePixel,
+    BAND_COUNT, Direction, EARTH_RADIUS_M, Fixture, GeoPoint, LOBE_COUNT, LitGround, LitLine, Lobe,
+    SKY_RESPONSES, SeenLight, SourcePixel,
     aerial_perspective::AirBetween,
     emission::lobe_intensities_per_sr,
     geometry::{LocalFrame, spherical_quadrilateral_area_m2},
     horizon::terrain_elevation_tangent,
-    lit_slopes::LitSlopes,
-    panorama::solid_angle_sr,
     quadrature::R2,
 };
-use skyglow_scene::{GroundLine, GroundSight, Scene, SeenGround};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use skyglow_scene::{GroundLine, GroundSight, Land, Scene};
+use std::f64::consts::PI;
 
 /// Lamps that are farther are not seen by themselves, metres.
 const LAMPS_WITHIN_M: f64 = 80_000.0;
@@ -36,8 +34,6 @@ const LUMENS_OF_LAMP: f64 = 8_000.0;
 const UPWARD_SHARE: f64 = 0.17;
 /// A pixel is divided into so many at most.
 const MAX_LAMPS_OF_PIXEL: f64 = 96.0;
-/// Along a ridge the lowest visible row of the sky jumps; so many columns to either side are one.
-const RIDGE_COLUMNS: usize = 4;
 /// Least cosine of the zenith angle at a lamp: a lamp that stands a little higher than the eye is seen too.
 const MIN_COS_ZENITH: f64 = 1e-3;
 
@@ -46,11 +42,13 @@ const MIN_COS_ZENITH: f64 = 1e-3;
 pub struct GroundRequest {
     /// Which part of it.
     pub sight: GroundSight,
-    /// Share of light that it reflects.
+    /// Share of light that it reflects where nothing is known of its cover.
     pub albedo: f64,
+    /// Whether it lies under snow.
+    pub has_snow: bool,
     /// Whether the natural sky lights it too; not under clouds.
     pub in_total: bool,
-    /// Whether level ground is calm water, which mirrors.
+    /// Whether water is calm, and mirrors: what land cover says is water, and level ground where nothing is known of its cover.
     pub has_water: bool,
 }
 
@@ -68,19 +66,26 @@ pub fn lit_ground(
     let eye_altitude_m = sky.context.altitude_m;
     let lines = scene.visible_ground(request.place, eye_altitude_m, &wanted.sight);
     let lamps = LampLight::of_scene(scene, request)?;
-    let light = SkyLight::new(sky, wanted);
+    let light = SkyLight::new(sky, wanted.in_total, wanted.albedo);
     let eye = Eye {
         frame: LocalFrame::at(request.place),
         altitude_m: eye_altitude_m,
         air: AirBetween::new(request.turbidity),
     };
     let patches = Patches::new(scene, &lamps);
+    // What a view cannot tell apart is one.
+    let land_at = |line: &GroundLine, at: usize| -> Option<Land> {
+        let distance_m = line.seen[at].distance_m;
+        let known = scene.has_land_cover().then(|| eye.place(line.azimuth_rad, distance_m));
+        known.and_then(|place| scene.land(place, distance_m * wanted.sight.azimuths.1))
+    };
     let water: Vec<WaterLine> = if wanted.has_water {
         let of_line = |line: &GroundLine| {
-            WaterLine::of(line, eye_altitude_m, |at| {
+            let is_lit = |at: usize| {
                 let distance_m = line.seen[at].distance_m;
                 patches.is_lit(scene, || eye.place(line.azimuth_rad, distance_m))
-            })
+            };
+            WaterLine::of(line, eye_altitude_m, is_lit, |at| land_at(line, at).map(|land| land.water))
         };
         lines.par_iter().map(of_line).collect()
     } else {
@@ -91,8 +96,12 @@ pub fn lit_ground(
         let behind_air = |sent: SeenLight, through: SeenLight| -> SeenLight {
             std::array::from_fn(|i| sent[i] * through[i] + beyond[i] * (1.0 - through[i]))
         };
-        let sent = line.seen.iter().map(|ground| {
-            let mut sent = light.sent_by(ground);
+        let sent = line.seen.iter().enumerate().map(|(at, ground)| {
+            let albedo = land_at(line, at).map_or(wanted.albedo, |land| match wanted.has_snow {
+                true => land.albedo_in_snow(),
+                false => land.albedo,
+            });
+            let mut sent = light.sent_by(ground, albedo);
             if ground.distance_m < LAMPS_WITHIN_M {
                 patches.add(scene, || eye.place(line.azimuth_rad, ground.distance_m), &mut sent);
             }
@@ -169,127 +178,6 @@ impl Eye {
     }
 }
 
-/// Light of the sky that comes to the ground and from the horizon.
-struct SkyLight {
-    slopes: LitSlopes<4>,
-    /// Moon and Sun: towards them, and their illuminance across.
-    discs: Vec<(DVec3, SeenLight)>,
-    /// Of level ground.
-    level: SeenLight,
-    /// Just above the ground, by column.
-    horizon: Vec<SeenLight>,
-    /// In every direction, `[row][column]`; below the horizon that of the row above.
-    planes: [Vec<f32>; 4],
-    albedo: f64,
-}
-
-impl SkyLight {
-    fn new(sky: &RenderedSky, wanted: &GroundRequest) -> Self {
-        let total = wanted.in_total.then(|| sky.seen_in_total());
-        let seen: &SeenSky = total.as_ref().unwrap_or(&sky.seen);
-        let night = sky.night.as_ref().filter(|_| total.is_some());
-        let points = night.map(|night| night.points()).unwrap_or_default();
-        let discs = night.map(|night| night.discs()).unwrap_or_default();
-        let discs: Vec<_> =
-            discs.iter().map(|disc| (disc.point.direction.enu(), disc.point.illuminance_lx)).collect();
-        let plane = |i: usize| seen.seen_by(&SKY_RESPONSES[i]).unwrap_or_default();
-        let with_points: [Vec<f32>; 4] = std::array::from_fn(|i| {
-            let mut plane = plane(i).to_vec();
-            for point in &points {
-                add_beam(&mut plane, point.direction, point.illuminance_lx[i]);
-            }
-            plane
-        });
-        let slopes = LitSlopes::of_planes(with_points.each_ref().map(Vec::as_slice));
-        let at_horizon = |seen: &SeenSky| -> Vec<SeenLight> {
-            let of_column = |column| {
-                let row = sky.horizon.first_visible_row(column).min(ELEVATION_COUNT - 1);
-                let value = |of| seen.seen_by(of).and_then(|plane| plane.get(row * AZIMUTH_COUNT + column));
-                SKY_RESPONSES.each_ref().map(|of| value(of).map_or(0.0, |value| f64::from(*value)))
-            };
-            (0..AZIMUTH_COUNT).map(of_column).collect()
-        };
-        let lamps = match &sky.air_before_ground {
-            None => at_horizon(&sky.seen),
-            Some(air) => air.clone(),
-        };
-        let all = at_horizon(seen);
-        let natural: Vec<SeenLight> = all
-            .iter()
-            .zip(at_horizon(&sky.seen))
-            .map(|(all, lamps)| std::array::from_fn(|i| all[i] - lamps[i]))
-            .collect();
-        // The natural sky has its clouds in it, many of which the air sees.
-        let columns = if sky.air_before_ground.is_some() { AZIMUTH_COUNT / 8 } else { RIDGE_COLUMNS };
-        let natural = mean_around(&natural, columns);
-        let horizon = mean_around(&lamps, RIDGE_COLUMNS)
-            .iter()
-            .zip(natural)
-            .map(|(lamps, natural)| std::array::from_fn(|i| lamps[i] + natural[i]))
-            .collect();
-        let filled = |i: usize| {
-            let mut plane = if wanted.has_water { plane(i).to_vec() } else { Vec::new() };
-            for (column, lowest) in
-                (0..AZIMUTH_COUNT).map(|column| (column, sky.horizon.first_visible_row(column)))
-            {
-                let value = plane.get(lowest * AZIMUTH_COUNT + column).copied().unwrap_or_default();
-                plane
-                    .iter_mut()
-                    .skip(column)
-                    .step_by(AZIMUTH_COUNT)
-                    .take(lowest)
-                    .for_each(|hidden| *hidden = value);
-            }
-            plane
-        };
-        let (level, planes) = ([0.0; 4], std::array::from_fn(filled));
-        let mut light = Self { slopes, discs, level, horizon, planes, albedo: wanted.albedo };
-        light.level = light.illuminance(Slope::default(), DVec3::Z);
-        light
-    }
-
-    /// From the sky alone, lx.
-    fn illuminance(&self, slope: Slope, normal: DVec3) -> SeenLight {
-        let mut light = self.slopes.illuminance(slope.steepness_rad, slope.downhill_azimuth_rad);
-        for (towards, lx) in &self.discs {
-            let cosine = towards.dot(normal).max(0.0);
-            light.iter_mut().zip(lx).for_each(|(sum, lx)| *sum += cosine * lx);
-        }
-        light
-    }
-
-    /// Luminance of ground that the sky lights, and the ground before it.
-    fn sent_by(&self, ground: &SeenGround) -> SeenLight {
-        let normal = ground.slope.normal();
-        let from_sky = self.illuminance(ground.slope, normal);
-        // A slope sees as much of level ground as it misses of the sky.
-        let share = 0.5 * (1.0 - normal.z) * self.albedo;
-        std::array::from_fn(|i| self.albedo / PI * (from_sky[i] + share * self.level[i]))
-    }
-
-    /// Of the sky in a direction, without points of light.
-    fn sky(&self, direction: Direction) -> SeenLight {
-        self.planes.each_ref().map(|plane| sample(plane, direction))
-    }
-
-    /// Of the sky just above the ground.
-    fn at_horizon(&self, azimuth_rad: f64) -> SeenLight {
-        let column = azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64;
-        let weight = column - column.floor();
-        let left = column as usize % AZIMUTH_COUNT;
-        let (from, to) = (&self.horizon[left], &self.horizon[(left + 1) % AZIMUTH_COUNT]);
-        std::array::from_fn(|i| from[i] + weight * (to[i] - from[i]))
-    }
-}
-
-/// Means over as many columns to either side.
-fn mean_around(columns: &[SeenLight], each_side: usize) -> Vec<SeenLight> {
-    let (all, count) = (columns.len(), 2 * each_side + 1);
-    let around = |column: usize| (0..count).map(move |step| (column + all - each_side + step) % all);
-    let mean = |column: usize, i: usize| around(column).map(|at| columns[at][i]).sum::<f64>() / count as f64;
-    (0..all).map(|column| std::array::from_fn(|i| mean(column, i))).collect()
-}
-
 /// Lamps of one kind of fixture near the observer.
 struct LampLight {
     pixels: Vec<SourcePixel>,
@@ -307,19 +195,6 @@ impl LampLight {
             Ok(Self { pixels, weights: mix.weights(), lumens_per_w: std::array::from_fn(lumens) })
         };
         scene.source_pixels_by_fixture(request.place, LAMPS_WITHIN_M).into_iter().map(of).collect()
-    }
-}
-
-/// A beam from a direction as light of the cell that holds it.
-fn add_beam(plane: &mut [f32], direction: Direction, illuminance_lx: f64) {
-    let row = direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64;
-    if row < 0.0 {
-        return;
-    }
-    let row = (row as usize).min(ELEVATION_COUNT - 1);
-    let column = (direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64).round() as usize;
-    if let Some(value) = plane.get_mut(row * AZIMUTH_COUNT + column % AZIMUTH_COUNT) {
-        *value += (illuminance_lx / solid_angle_sr(row)) as f32;
     }
 }
 

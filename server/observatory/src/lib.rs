@@ -32,6 +32,7 @@ mod shares;
 mod sky;
 mod sky_at_times;
 mod sky_below;
+mod sky_light;
 mod slope_light;
 mod surroundings;
 mod watch;

@@ -91,7 +91,7 @@ impl NaturalPlaces {
         let tables = tables.ok_or(ObservatoryError::NoCelestialTables)?;
         let stride = coarse_places::stride(scene, lattice, MAX_SKIES);
         let skies = CoarsePlaces::new(lattice, window, stride, |column, row| {
-            let altitude_m = f64::from(observatory.eye_at(scene, lattice, [column, row]));
+            let altitude_m = f64::from(observatory.eye_at(scene, request, lattice, [column, row]));
             match altitude_m.is_finite() {
                 true => {
                     let place = scene.lattice_place(lattice, column, row);

@@ -47,7 +47,7 @@ impl Observatory {
             observer_altitude_m: 0.0,
             turbidity,
             scattering: request.scattering,
-            cloud_base_m: None,
+            cloud_base_m: request.cloud_base_m,
             emission: request.emission.mix(),
             flux_per_dnb_flux: [1.0; BAND_COUNT],
             basis: None,

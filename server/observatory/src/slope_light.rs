@@ -83,7 +83,7 @@ impl SlopeLight {
     ) -> Result<Self, ObservatoryError> {
         let stride = coarse_places::stride(scene, lattice, MAX_PANORAMAS);
         let skies = CoarsePlaces::new(lattice, window, stride, |column, row| {
-            match observatory.eye_at(scene, lattice, [column, row]).is_finite() {
+            match observatory.eye_at(scene, request, lattice, [column, row]).is_finite() {
                 true => sky_below(observatory, scene, request, scene.lattice_place(lattice, column, row)),
                 false => Ok(None),
             }
@@ -155,7 +155,7 @@ fn sky_below(
         observer_height: ObserverHeight::AboveGround(EYE_HEIGHT_M),
         turbidity: request.turbidity,
         scattering: request.scattering,
-        cloud_base_m: None,
+        cloud_base_m: request.cloud_base_m,
         broken_clouds: None,
         lamp: request.lamp.clone(),
         response: request.response.clone(),

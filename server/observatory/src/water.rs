@@ -1,16 +1,16 @@
 //! Calm water as a mirror: level ground reflects the sky, the land behind it and lamps in the plane of sight (`docs/model.md#lit-ground`).
 
 use skyglow_physics::{
-    AZIMUTH_COUNT, Direction, EARTH_RADIUS_M, ELEVATION_COUNT, SeenLight, fresnel::water_reflectance,
-    horizon::terrain_elevation_tangent,
+    Direction, EARTH_RADIUS_M, SeenLight, fresnel::water_reflectance, horizon::terrain_elevation_tangent,
 };
 use skyglow_scene::{GroundLine, SeenGround};
-use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Share of the illuminance that calm water sends back from below its surface.
 pub(crate) const WATER_ALBEDO: f64 = 0.02;
 /// Steepest slope of water along a line: bilinear terrain between equal heights, but for rounding.
 const LEVEL: f64 = 1e-7;
+/// Water by land cover is no steeper: 1 in 20, for terrain is not level there to the metre.
+const STEEPEST_WATER_RAD: f64 = 0.05;
 /// So many points in a row have a slope of 0 where there is water.
 const LEVEL_POINTS: usize = 3;
 /// A lamp stands so far behind the water that it is seen in, metres.
@@ -37,13 +37,19 @@ pub(crate) struct WaterLine {
 impl WaterLine {
     /// Ground of a line that is as level as lakes and the sea are in terrain models: stretches in which each point is exactly as high as
     /// the next, somewhere with a slope of 0 over so many points. No more than half of it is lit: `is_lit` says so by the place in the line.
-    pub(crate) fn of(line: &GroundLine, eye_altitude_m: f64, is_lit: impl Fn(usize) -> bool) -> Self {
+    /// Where land cover is known that decides: `share` is of water.
+    pub(crate) fn of(
+        line: &GroundLine,
+        eye_altitude_m: f64,
+        is_lit: impl Fn(usize) -> bool,
+        share: impl Fn(usize) -> Option<f64>,
+    ) -> Self {
         let seen = &line.seen;
         let is_level = |before: &SeenGround, ground: &SeenGround| {
             let apart_m = ground.distance_m - before.distance_m;
             (ground.altitude_m - before.altitude_m).abs() <= LEVEL * apart_m
         };
-        let mut water = Vec::new();
+        let mut is_water = vec![false; seen.len()];
         let mut first = 0;
         for stretch in seen.chunk_by(is_level) {
             let places = first..first + stretch.len();
@@ -54,14 +60,20 @@ impl WaterLine {
             if !is_flat || 2 * places.clone().filter(|at| is_lit(*at)).count() > stretch.len() {
                 continue;
             }
-            // From the water the eye is as high as the ray is steep.
-            let grazing = |ground: &SeenGround| {
-                terrain_elevation_tangent(ground.altitude_m, eye_altitude_m, ground.distance_m)
-            };
-            let of_stretch = places.zip(stretch).map(|(at, ground)| Water { at, grazing: grazing(ground) });
-            water.extend(of_stretch.filter(|water| water.grazing > 0.0));
+            is_water[places].fill(true);
         }
-        Self { points: water, eye_altitude_m }
+        for (at, is_water) in is_water.iter_mut().enumerate() {
+            if let Some(share) = share(at) {
+                *is_water = share > 0.5 && seen[at].slope.steepness_rad < STEEPEST_WATER_RAD;
+            }
+        }
+        // From the water the eye is as high as the ray is steep.
+        let water = (0..seen.len()).filter(|at| is_water[*at]).map(|at| {
+            let ground = &seen[at];
+            let grazing = terrain_elevation_tangent(ground.altitude_m, eye_altitude_m, ground.distance_m);
+            Water { at, grazing }
+        });
+        Self { points: water.filter(|water| water.grazing > 0.0).collect(), eye_altitude_m }
     }
 
     /// Whether there is none.
@@ -159,7 +171,7 @@ impl WaterLine {
     }
 }
 
-/// tan of the elevation of a point of a line from another before it.
+/// tan of the elevation of a point of a line from another before it, for small angles: it is asked of each pair of water and land.
 fn tangent_from(line: &GroundLine, from: usize, at: usize) -> f64 {
     let (from, to) = (&line.seen[from], &line.seen[at]);
     let distance_m = to.distance_m - from.distance_m;
@@ -194,23 +206,6 @@ pub(crate) enum MirroredLight {
     },
 }
 
-/// Between the samples of a panorama, `[row][column]`, at a direction above the horizon.
-pub(crate) fn sample(plane: &[f32], direction: Direction) -> f64 {
-    let row = (direction.elevation_rad / FRAC_PI_2 * ELEVATION_COUNT as f64 - 0.5)
-        .clamp(0.0, (ELEVATION_COUNT - 1) as f64);
-    let column = direction.azimuth_rad.rem_euclid(TAU) / TAU * AZIMUTH_COUNT as f64;
-    let (low, left) = (row as usize, column as usize % AZIMUTH_COUNT);
-    let (up, across) = (row - low as f64, column.fract());
-    let at = |row: usize, column: usize| {
-        plane
-            .get(row.min(ELEVATION_COUNT - 1) * AZIMUTH_COUNT + column % AZIMUTH_COUNT)
-            .copied()
-            .map_or(0.0, f64::from)
-    };
-    let of_row = |row: usize| (1.0 - across) * at(row, left) + across * at(row, left + 1);
-    (1.0 - up) * of_row(low) + up * of_row(low + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,7 +231,7 @@ mod tests {
     #[test]
     fn it_mirrors_sky_and_land() {
         let line = lake();
-        let water = WaterLine::of(&line, EYE_M, |_| false);
+        let water = WaterLine::of(&line, EYE_M, |_| false, |_| None);
         assert_eq!(water.points.len(), 20);
         let mut light = vec![[7.0; 4]; line.seen.len()];
         water.mirror(&line, &mut light, |direction| [direction.elevation_rad; 4], [0.0; 4], |light, _| light);
@@ -252,7 +247,7 @@ mod tests {
     #[test]
     fn lamps_are_seen_where_a_mirror_has_them() {
         let line = lake();
-        let water = WaterLine::of(&line, EYE_M, |_| false);
+        let water = WaterLine::of(&line, EYE_M, |_| false, |_| None);
         let lamp = MirroredLight::At { distance_m: 2_200.0, altitude_m: 38.0 };
         let Image { tangent, share, .. } = water.image(&line, lamp).unwrap();
         // As deep below the water as it stands above: 48 m below the eye.
@@ -270,11 +265,26 @@ mod tests {
     #[test]
     fn lit_and_sloping_ground_is_land() {
         let mut line = lake();
-        assert_eq!(WaterLine::of(&line, EYE_M, |at| at < 10).points.len(), 20);
-        assert!(WaterLine::of(&line, EYE_M, |at| at < 11).is_empty());
+        assert_eq!(WaterLine::of(&line, EYE_M, |at| at < 10, |_| None).points.len(), 20);
+        assert!(WaterLine::of(&line, EYE_M, |at| at < 11, |_| None).is_empty());
         for ground in line.seen.iter_mut().step_by(2) {
             ground.slope = Slope::of_gradient(0.01, 0.0);
         }
-        assert!(WaterLine::of(&line, EYE_M, |_| false).is_empty());
+        assert!(WaterLine::of(&line, EYE_M, |_| false, |_| None).is_empty());
+    }
+
+    /// Land cover says what is water, whatever is level or lit, but no slope.
+    #[test]
+    fn land_cover_says_what_is_water() {
+        let line = lake();
+        let by_cover = |share: fn(usize) -> Option<f64>| {
+            WaterLine::of(&line, EYE_M, |_| true, share)
+                .points
+                .iter()
+                .map(|water| water.at)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(by_cover(|at| Some(if at < 7 { 0.2 } else { 0.9 })), (7..20).collect::<Vec<_>>());
+        assert_eq!(by_cover(|at| (at == 3).then_some(1.0)), [3]);
     }
 }

@@ -3,13 +3,14 @@
 
 mod common;
 
-use common::{engine, sky, store_town_on};
+use common::{engine, sky, store_town_on, town};
+use gdal::{DriverManager, raster::Buffer, spatial_ref::SpatialRef};
 use skyglow_observatory::{GroundRequest, Observatory, ObserverHeight, RenderedSky, SkyRequest, lit_ground};
 use skyglow_physics::{
     AZIMUTH_COUNT, Direction, LitGround, aerial_perspective::AirBetween, fresnel::water_reflectance,
 };
 use skyglow_render::DeviceChoice;
-use skyglow_scene::GroundSight;
+use skyglow_scene::{GroundSight, IngestOptions, SceneStore, ingest};
 use std::{
     f64::consts::{PI, TAU},
     path::Path,
@@ -23,13 +24,22 @@ fn ground_at(
     longitude_deg: f64,
     (albedo, has_water): (f64, bool),
 ) -> (LitGround, RenderedSky, SkyRequest) {
+    ground_in(data, latitude_deg, longitude_deg, (albedo, has_water, false))
+}
+
+fn ground_in(
+    data: &Path,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    (albedo, has_water, has_snow): (f64, bool, bool),
+) -> (LitGround, RenderedSky, SkyRequest) {
     let observatory = Observatory::new(engine(DeviceChoice::Cpu, &[2.0, 3.0], 8), Vec::new(), data, 2);
     let observer_height = ObserverHeight::AboveGround(50.0);
     let request = SkyRequest { observer_height, ..sky(2.5, latitude_deg, longitude_deg) };
     let rendered = observatory.sky_blocking(&request).unwrap();
     let view = observatory.view(&request.scene, None).unwrap();
     let sight = GroundSight { azimuths: (0.0, TAU / COUNT as f64, COUNT), lowest_tangent: f64::NEG_INFINITY };
-    let wanted = GroundRequest { sight, albedo, in_total: false, has_water };
+    let wanted = GroundRequest { sight, albedo, has_snow, in_total: false, has_water };
     let ground = lit_ground(&view, &request, &rendered, &wanted).unwrap();
     (ground, rendered, request)
 }
@@ -80,6 +90,56 @@ fn the_towns_lamps_are_seen_in_its_direction() {
     assert!((0.3..0.95).contains(&(found_lx / expected_lx)), "{found_lx} {expected_lx}");
     let [town, beside] = [118.0, 150.0].map(|azimuth_deg| ground.light(looking(azimuth_deg, -0.25)).unwrap());
     assert!(town[1] > 5.0 * beside[1], "{town:?} {beside:?}");
+}
+
+/// By land cover forest in the west is darker than fields in the east, and much darker under snow; where nothing is known the ground has
+/// the albedo asked for.
+#[test]
+fn ground_is_lit_by_its_cover() {
+    let data = tempfile::tempdir().unwrap();
+    store_town_on(data.path(), 1.0, &|_, _| 1000.25);
+    let cover = data.path().join("cover.tif");
+    let driver = DriverManager::get_driver_by_name("GTiff").unwrap();
+    let mut dataset = driver.create_with_band_type::<u8, _>(&cover, 40, 40, 1).unwrap();
+    dataset.set_geo_transform(&[36.4, 0.01, 0.0, -1.2, 0.0, -0.01]).unwrap();
+    dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
+    // Forest, fields, and nothing south of the observer.
+    let class = |column: usize, row: usize| {
+        if row > 15 {
+            0
+        } else if column < 10 {
+            10
+        } else {
+            40
+        }
+    };
+    let values = (0..1_600).map(|pixel| class(pixel % 40, pixel / 40)).collect();
+    dataset.rasterband(1).unwrap().write((0, 0), (40, 40), &mut Buffer::new((40, 40), values)).unwrap();
+    dataset.close().unwrap();
+    let options = IngestOptions {
+        terrain: vec![data.path().join("terrain.tif")],
+        land_cover: vec![cover],
+        id: Some(town()),
+        replace: true,
+        ..IngestOptions::new(data.path().join("lights.tif"))
+    };
+    ingest(&SceneStore::new(data.path()), &options, &mut |_| {}).unwrap();
+    let [(bare, sky, _), (snow, ..)] =
+        [false, true].map(|has_snow| ground_in(data.path(), -1.35, 36.5, (0.15, false, has_snow)));
+    // Five degrees below the horizon ground is 570 m away.
+    let of = |ground: &LitGround, azimuth_deg: f64| ground.light(looking(azimuth_deg, -5.0)).unwrap()[1];
+    let luminance = |albedo: f64| albedo * sky.quantities.horizontal_illuminance_lx / PI;
+    for (ground, azimuth_deg, albedo) in [
+        (&bare, 290.0, 0.06),
+        (&bare, 60.0, 0.10),
+        (&bare, 200.0, 0.15),
+        (&snow, 60.0, 0.75),
+        (&snow, 290.0, 0.25),
+    ] {
+        let (found, expected) = (of(ground, azimuth_deg), luminance(albedo));
+        // The air between takes and adds some per cent.
+        assert!((found / expected - 1.0).abs() < 0.12, "{azimuth_deg} {albedo}: {found} {expected}");
+    }
 }
 
 /// Level ground as water: near by it mirrors the sky by Fresnel's reflectance and sends 2 % of the rest from below, and the town's

@@ -131,6 +131,7 @@ fn kept_nadir_radiance_is_of_each_fixture() {
     assert!((zenith(&request) / luminance.zenith_luminance_cd_m2 - 1.0).abs() < 1e-4);
     let map = |emission: Emission| {
         let ask = BrightnessRequest {
+            cloud_base_m: None,
             scene: request.scene.clone(),
             scenario: None,
             turbidity: request.turbidity,

@@ -41,6 +41,7 @@ pub mod phase;
 pub mod photometry;
 pub mod quadrature;
 pub mod response_quantities;
+pub mod sampler;
 pub mod seen_sky;
 pub mod simd;
 pub mod single_source;

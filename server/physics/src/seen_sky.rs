@@ -3,13 +3,14 @@
 
 use crate::{
     bands::BAND_COUNT,
+    horizon::Horizon,
     panorama::{AZIMUTH_COUNT, ELEVATION_COUNT, Panorama},
     simd::{self, exponential, logarithm, multiply_add},
     simd_dispatch,
     spectrum::{Light, Response, SpectralRule},
 };
 use rayon::prelude::*;
-use std::{array::from_fn, sync::Arc};
+use std::{array::from_fn, borrow::Cow, sync::Arc};
 
 const DIRECTION_COUNT: usize = ELEVATION_COUNT * AZIMUTH_COUNT;
 /// Rows that one thread takes at least.
@@ -95,6 +96,27 @@ impl SeenSky {
     /// The same, writable.
     pub fn plane_mut(&mut self, place: usize) -> &mut [f32] {
         self.values.chunks_exact_mut(DIRECTION_COUNT).nth(place).unwrap_or_default()
+    }
+
+    /// The sky with its hidden samples filled from the lowest visible one of their column, as the lowest row holds
+    /// down to an open horizon: between the profile and the first visible row the sky then has its colour, and none of
+    /// the ground's darkness runs into it. Visible samples stay bit for bit.
+    pub fn without_ground(&self, horizon: &Horizon) -> Cow<'_, Self> {
+        if horizon.is_flat() {
+            return Cow::Borrowed(self);
+        }
+        let mut filled = self.clone();
+        for values in filled.values.chunks_exact_mut(DIRECTION_COUNT) {
+            for column in 0..AZIMUTH_COUNT {
+                let lowest = horizon.first_visible_row(column);
+                if lowest == ELEVATION_COUNT {
+                    continue;
+                }
+                let value = values[lowest * AZIMUTH_COUNT + column];
+                (0..lowest).for_each(|row| values[row * AZIMUTH_COUNT + column] = value);
+            }
+        }
+        Cow::Owned(filled)
     }
 
     /// Values of a response, `[row][column]`; None for one that is not there.

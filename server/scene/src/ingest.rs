@@ -7,11 +7,14 @@ mod gdal_open;
 mod georeference;
 mod granule_name;
 mod hdf5;
+mod land_classes;
+mod land_cover_files;
 mod layers;
 mod mosaic;
 mod no_data;
 mod noise;
 mod options;
+mod overlap;
 mod places;
 mod radiance;
 mod radiance_band;
@@ -23,7 +26,9 @@ mod terrain_files;
 mod units;
 mod unpack;
 
+pub use land_classes::LandClasses;
 pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, SkylineTime};
+pub use overlap::OverlapRule;
 pub use units::RadianceUnit;
 
 use self::mosaic::Mosaic;
@@ -105,6 +110,7 @@ pub(crate) fn ingest_as(
     let (crs_wkt, crs_name) = mosaic.crs_text()?;
     let terrain = terrain_files::read(options, progress)?;
     terrain_files::set_altitudes(&terrain, &mut light, progress);
+    let land_cover = land_cover_files::read(options, &light.grid, &mut light.report.recognised)?;
     let when = options.skylines.unwrap_or_else(|| SkylineTime::of_lights(light.pixels.len()));
     let skylines = match when {
         SkylineTime::Ingest => skylines::of_lights(&terrain.terrain, &light.grid, &light.pixels, progress),
@@ -141,6 +147,7 @@ pub(crate) fn ingest_as(
         illustrative,
         terrain: !terrain.terrain.is_empty(),
         light_skylines: has_skylines,
+        land_cover: !land_cover.is_empty(),
         places_count: places.len() as u64,
         places_source,
         ingested_unix_s: (!illustrative).then(now_unix_s).flatten(),
@@ -152,6 +159,7 @@ pub(crate) fn ingest_as(
         mask: Arc::new(light.mask),
         light_layers: vec![LightLayer::whole(lights)],
         terrain: Arc::new(terrain.terrain),
+        land_cover: Arc::new(land_cover),
         places: places.into(),
     };
     progress(IngestProgress { stage: IngestStage::Store, done: 0, total: 1 });
@@ -196,5 +204,6 @@ fn open_mosaic(options: &IngestOptions) -> Result<(Mosaic, Option<String>), Scen
         source.recognised.push(Recognition::likely("date", format!("{date} by the name of the file")));
     }
     let date = options.date.clone().or(by_name);
+    let sources = overlap::newest_first(options, &dates, sources)?;
     Ok((Mosaic::new(sources)?, date))
 }

@@ -30,6 +30,7 @@ mod grid;
 mod grid_sections;
 mod ground;
 mod ingest;
+mod land_cover;
 mod lattice;
 mod light_layer;
 mod light_pyramid;
@@ -79,8 +80,10 @@ pub use gazetteer::{GAZETTEER_CREDIT, Gazetteer, WorldPlace};
 pub use geotiff::{RasterError, RasterMetadata};
 pub use ground::Ground;
 pub use ingest::{
-    IngestOptions, IngestProgress, IngestStage, NoisePolicy, RadianceUnit, SkylineTime, ingest,
+    IngestOptions, IngestProgress, IngestStage, LandClasses, NoisePolicy, OverlapRule, RadianceUnit,
+    SkylineTime, ingest,
 };
+pub use land_cover::{Land, SNOW_ALBEDO};
 pub use light_shares::{CellShare, LightShares, LitPixel};
 pub use light_tree::{FAR_BLOCK_RATIO, NO_BLOCKS_WITHIN_M};
 pub use map_tile::{PixelValues, RasterTile, TileLayer};

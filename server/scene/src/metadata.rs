@@ -39,6 +39,9 @@ pub struct SceneMetadata {
     /// Left out where false, as in those older scenes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub light_skylines: bool,
+    /// Whether it has land cover, by which pictures light the ground. Left out where it has none.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub land_cover: bool,
     /// Number of places with names.
     pub places_count: u64,
     /// Whom to credit for the places, where the scene brought none of its own.

@@ -13,6 +13,7 @@ use crate::coverage;
 use crate::gather;
 use crate::grid::Grid;
 use crate::ground::Ground;
+use crate::land_cover::{Land, LandCover};
 use crate::light_layer::{LightLayer, by_fixture};
 use crate::light_shares::{LightShares, ShareCollector};
 use crate::light_tree::{FAR_BLOCK_RATIO, LightTree, NO_BLOCKS};
@@ -37,6 +38,7 @@ pub struct Scene {
     /// Its lights: those of the raster first, then changed and new ones.
     pub(crate) light_layers: Vec<LightLayer>,
     pub(crate) terrain: Arc<Terrain>,
+    pub(crate) land_cover: Arc<LandCover>,
     pub(crate) places: Arc<[NamedPlace]>,
 }
 
@@ -64,6 +66,16 @@ impl Scene {
     /// Terrain elevation, metres, bilinear, at least 0; `None` where the terrain has no data at that place.
     pub fn terrain_altitude_m(&self, place: GeoPoint) -> Option<f64> {
         self.terrain.elevation_m(place).map(|elevation_m| elevation_m.max(0.0))
+    }
+
+    /// Whether it is known what covers the ground.
+    pub fn has_land_cover(&self) -> bool {
+        !self.land_cover.is_empty()
+    }
+
+    /// What covers the ground within about `resolution_m` around a place; None where nothing is known of it.
+    pub fn land(&self, place: GeoPoint, resolution_m: f64) -> Option<Land> {
+        self.land_cover.at(place, resolution_m)
     }
 
     /// How the ground lies at a place, over two samples of the terrain each way; level where the terrain has a gap.
@@ -220,7 +232,10 @@ impl Scene {
     pub fn byte_count(&self) -> u64 {
         let (row_start, runs) = self.mask.parts();
         let of_mask = 4 * row_start.len() + 8 * runs.len();
-        self.first_layer().lights.byte_count() + of_mask as u64 + self.terrain.byte_count()
+        self.first_layer().lights.byte_count()
+            + of_mask as u64
+            + self.terrain.byte_count()
+            + self.land_cover.byte_count()
     }
 
     /// Bytes of a changed scene that are not shared, about.

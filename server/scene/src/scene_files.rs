@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) const METADATA_FILE: &str = "metadata.json";
 pub(crate) const LIGHT_FILE: &str = "light.bin";
 pub(crate) const TERRAIN_FILE: &str = "terrain.bin";
+pub(crate) const LAND_COVER_FILE: &str = "land_cover.bin";
 pub(crate) const PLACES_FILE: &str = "places.json";
 pub(crate) const SKYLINES_FILE: &str = "skylines.bin";
 /// The folder of skylines that are made by tile, and of nothing else.

@@ -44,6 +44,7 @@ fn scene() -> Scene {
         illustrative: true,
         terrain: false,
         light_skylines: false,
+        land_cover: false,
         places_count: 0,
         places_source: None,
         ingested_unix_s: None,
@@ -56,6 +57,7 @@ fn scene() -> Scene {
         mask: Arc::new(mask.finish()),
         light_layers: vec![LightLayer::whole(lights)],
         terrain: Arc::new(Terrain::default()),
+        land_cover: Arc::default(),
         places: Vec::new().into(),
     }
 }

@@ -4,7 +4,8 @@ use crate::error::SceneError;
 use crate::grid_sections;
 use crate::scene::Scene;
 use crate::scene_files::{
-    LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredFile, StoredScene, TERRAIN_FILE,
+    LAND_COVER_FILE, LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredFile, StoredScene,
+    TERRAIN_FILE,
 };
 use crate::sections;
 use crate::staging::Staging;
@@ -31,6 +32,11 @@ pub(crate) fn write(scenes_dir: &Path, scene: &mut Scene, replace: bool) -> Resu
     if !scene.terrain.is_empty() {
         let bytes = sections::pack(&scene.terrain.to_sections()).map_err(SceneError::io(staging.path()))?;
         put(TERRAIN_FILE, &bytes)?;
+    }
+    if !scene.land_cover.is_empty() {
+        let bytes =
+            sections::pack(&scene.land_cover.to_sections()).map_err(SceneError::io(staging.path()))?;
+        put(LAND_COVER_FILE, &bytes)?;
     }
     if let Some(skylines) = &scene.first_layer().lights.skylines {
         let bytes = sections::pack(&skylines.to_sections()).map_err(SceneError::io(staging.path()))?;

@@ -13,6 +13,7 @@
 use crate::error::SceneError;
 use crate::grid::Grid;
 use crate::grid_sections;
+use crate::land_cover::LandCover;
 use crate::light_layer::{LightLayer, Lights};
 use crate::lit_pixels::LitPixels;
 use crate::mask::ValidMask;
@@ -21,7 +22,8 @@ use crate::metadata::{NamedPlace, SceneMetadata};
 use crate::pyramid_file::{self, StoredPyramid};
 use crate::scene::Scene;
 use crate::scene_files::{
-    LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE, TILES_FOLDER,
+    LAND_COVER_FILE, LIGHT_FILE, METADATA_FILE, PLACES_FILE, SKYLINES_FILE, StoredScene, TERRAIN_FILE,
+    TILES_FOLDER,
 };
 use crate::scene_id::SceneId;
 use crate::scene_writer;
@@ -355,16 +357,24 @@ impl SceneStore {
             }
             None => Some(read_all_light()?),
         };
-        let mut terrain = Terrain::default();
-        let large = read_inside(id, &stored, &dir.join(TERRAIN_FILE))?;
-        if let Some((file, inside)) = large {
-            terrain =
-                Terrain::from_sections(&inside.sections(), Some(&file)).map_err(damaged(id, TERRAIN_FILE))?;
-        } else if let Some(bytes) = read(TERRAIN_FILE)? {
-            let parsed = Sections::parse(&bytes).map_err(damaged(id, TERRAIN_FILE))?;
-            check(parsed.unpacked_bytes())?;
-            terrain = Terrain::from_sections(&parsed, None).map_err(damaged(id, TERRAIN_FILE))?;
-        }
+        // A large file is read where something is wanted of it.
+        let open_raster = |name: &str| -> Result<Option<RasterFile>, SceneError> {
+            if let Some((file, inside)) = read_inside(id, &stored, &dir.join(name))? {
+                return Ok(Some(RasterFile::Outside(file, inside)));
+            }
+            Ok(read(name)?.map(RasterFile::Whole))
+        };
+        let terrain = match open_raster(TERRAIN_FILE)? {
+            Some(raster) => raster.parse(check, Terrain::from_sections, damaged(id, TERRAIN_FILE))?,
+            None => Terrain::default(),
+        };
+        let land_cover = match open_raster(LAND_COVER_FILE)? {
+            Some(raster) => raster.parse(check, LandCover::from_sections, damaged(id, LAND_COVER_FILE))?,
+            None if stored.metadata.land_cover => {
+                return Err(damaged(id, LAND_COVER_FILE)("is not listed".to_owned()));
+            }
+            None => LandCover::default(),
+        };
         let mut skylines = None;
         if let Some(bytes) = read(SKYLINES_FILE)? {
             let parsed = Sections::parse(&bytes).map_err(damaged(id, SKYLINES_FILE))?;
@@ -406,8 +416,33 @@ impl SceneStore {
             mask: Arc::new(mask),
             light_layers: vec![LightLayer::whole(lights)],
             terrain: Arc::new(terrain),
+            land_cover: Arc::new(land_cover),
             places: places.into(),
         })
+    }
+}
+
+/// A file of rasters, whole or with its large sections left in it.
+enum RasterFile {
+    Whole(Vec<u8>),
+    Outside(File, Inside),
+}
+
+impl RasterFile {
+    fn parse<T>(
+        self,
+        check: impl Fn(u64) -> Result<(), SceneError>,
+        from_sections: impl Fn(&Sections<'_>, Option<&File>) -> Result<T, Flaw>,
+        flawed: impl Fn(Flaw) -> SceneError,
+    ) -> Result<T, SceneError> {
+        match self {
+            Self::Outside(file, inside) => from_sections(&inside.sections(), Some(&file)).map_err(flawed),
+            Self::Whole(bytes) => {
+                let sections = Sections::parse(&bytes).map_err(&flawed)?;
+                check(sections.unpacked_bytes())?;
+                from_sections(&sections, None).map_err(flawed)
+            }
+        }
     }
 }
 
@@ -446,9 +481,9 @@ fn read_inside(
     Ok(inside.map(|inside| (file, inside)))
 }
 
-fn damaged(id: &SceneId, file: &str) -> impl FnOnce(Flaw) -> SceneError {
+fn damaged(id: &SceneId, file: &str) -> impl Fn(Flaw) -> SceneError {
     let (scene, file) = (id.to_string(), file.to_owned());
-    move |reason| SceneError::Damaged { scene, file, reason }
+    move |reason| SceneError::Damaged { scene: scene.clone(), file: file.clone(), reason }
 }
 
 /// What `light.bin` holds.

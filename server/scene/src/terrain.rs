@@ -1,5 +1,6 @@
 //! Terrain: elevation on the rasters' own grids, and what it blocks.
 
+mod border;
 mod cell;
 mod elevation;
 mod horizon;

@@ -4,9 +4,9 @@
 
 mod common;
 
-use common::{STEP, TestRaster, TestStore};
+use common::{STEP, TestRaster, TestStore, place};
 use gdal::{Dataset, DriverManager};
-use skyglow_scene::{IngestOptions, NoisePolicy, SceneMetadata};
+use skyglow_scene::{IngestOptions, NoisePolicy, OverlapRule, SceneMetadata};
 use std::{io::Write, path::Path};
 
 /// Ingests a raster file under changed options.
@@ -210,6 +210,7 @@ fn granules_side_by_side_are_one_scene() {
         assert_eq!((both.lit_pixels, both.bounds, both.report.files.len()), (one.lit_pixels, one.bounds, 2));
         assert_eq!(both.report.flux_dnb_w, one.report.flux_dnb_w);
     }
+    assert!(one.report.warnings.iter().all(|warning| !warning.contains("overlap")));
     let list = test_store.path("files.txt");
     std::fs::write(&list, "west.tif\neast.tif\n").unwrap();
     assert_eq!(ingested(&test_store, &list, |_| {}).lit_pixels, one.lit_pixels);
@@ -236,6 +237,51 @@ fn granules_side_by_side_are_one_scene() {
     options.replace = true;
     let told = test_store.ingest(&options).unwrap_err().to_string();
     assert!(told.contains("shifted.tif") && told.contains("grid"), "{told}");
+}
+
+/// Where rasters have measured the same pixels the rule says what counts, a hole in one is filled by the other, and a code of missing
+/// data is in no mean.
+#[test]
+fn overlaps_count_by_a_rule() {
+    let test_store = TestStore::new();
+    let write = |name: &str, at: [f64; 4]| {
+        let mut raster = TestRaster::scattered(80, 40);
+        raster.values[..4].copy_from_slice(&at);
+        let path = test_store.path(name);
+        raster.write_f32(&path);
+        path
+    };
+    let older = write("VNL_v2_npp_2019_global_vcmslcfg.tif", [10.0, 30.0, f64::NAN, 6.0]);
+    let newer = write("VNL_v2_npp_2022_global_vcmslcfg.tif", [20.0, 5.0, 7.0, -999.0]);
+    let radiances = |text: &str| {
+        let mut options = IngestOptions::new(&older);
+        options.radiance.push(newer.clone());
+        (options.overlap, options.replace) = (OverlapRule::parse(text).unwrap(), true);
+        options.no_data.push(-999.0);
+        let scene = test_store.ingest(&options).unwrap();
+        let said = format!("the {}", if text == "max" { "largest" } else { text });
+        assert!(
+            scene.report.warnings.iter().any(|warning| warning.contains(&said)),
+            "{:?}",
+            scene.report.warnings
+        );
+        let opened = test_store.store.open(&scene.id).unwrap();
+        let of = |column: u8| {
+            let at = place(-1.0 - 0.5 * STEP, 37.0 + (f64::from(column) + 0.5) * STEP);
+            opened.radiance_nw_cm2_sr(at).unwrap()
+        };
+        [0, 1, 2, 3].map(of)
+    };
+    assert_eq!(radiances("first"), [10.0, 30.0, 7.0, 6.0]);
+    assert_eq!(radiances("mean"), [15.0, 17.5, 7.0, 6.0]);
+    assert_eq!(radiances("max"), [20.0, 30.0, 7.0, 6.0]);
+    assert_eq!(radiances("newest"), [20.0, 5.0, 7.0, 6.0]);
+    let undated = write("undated.tif", [1.0; 4]);
+    let mut options = IngestOptions::new(&older);
+    options.radiance.push(undated);
+    (options.overlap, options.replace) = (OverlapRule::Newest, true);
+    let told = test_store.ingest(&options).unwrap_err().to_string();
+    assert!(told.contains("undated.tif") && told.contains("--overlap"), "{told}");
 }
 
 /// Granules on both sides of the antimeridian lie side by side.

@@ -3214,6 +3214,8 @@ export interface components {
             illustrative: boolean;
             /** @description When it was ingested, RFC 3339 UTC; null for the demo and for scenes stored before this was noted. */
             ingested?: string | null;
+            /** @description Whether it is known what covers the ground; pictures light it by that. */
+            land_cover: boolean;
             /**
              * Format: int64
              * @description Pixels with light.
@@ -3278,6 +3280,13 @@ export interface components {
              */
             floor?: number | null;
             /**
+             * Format: binary
+             * @description Classes of land cover, GeoTIFF or COG, by which pictures light the ground; may be given several times.
+             */
+            land_cover?: string | null;
+            /** @description Whose classes of land cover: `worldcover`, `cci`, `corine` or `igbp`; by default WorldCover's, where there are no others. */
+            land_cover_classes?: string | null;
+            /**
              * Format: int32
              * @description Pixels with fewer observations are no data, where the granules say how many there were.
              */
@@ -3287,16 +3296,18 @@ export interface components {
             /** @description Noise around zero: `balance` or `cut`. */
             noise?: string | null;
             /**
+             * @description What counts where several rasters have measured a pixel: `first` in the order given, `mean`, `max`, or `newest` by the dates in the
+             *     files' names.
+             */
+            overlap?: string | null;
+            /**
              * Format: binary
              * @description GeoJSON or CSV with name, latitude, longitude and population.
              */
             places?: string | null;
             /** @description Values of the granules' quality layer that are taken, with commas between. */
             quality?: string | null;
-            /**
-             * @description Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
-             *     of which the first that has a measurement counts.
-             */
+            /** @description Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene. */
             radiance: string[];
             /**
              * Format: double
@@ -4470,6 +4481,8 @@ export interface operations {
                 ground_reflectance?: number;
                 /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
                 emission_keep?: "flux" | "nadir_radiance";
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
@@ -8809,6 +8822,8 @@ export interface operations {
                 ground_reflectance?: number;
                 /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
                 emission_keep?: "flux" | "nadir_radiance";
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
@@ -8913,6 +8928,8 @@ export interface operations {
                 ground_reflectance?: number;
                 /** @description What the satellite's radiance L says of a light, whatever its emission: its `flux`, which is then that of a Lambertian source with L at the nadir, π·L by area; or its `nadir_radiance`, and the flux is π·L over the weight of lambert, as no other lobe has light at the nadir. Lights with less than 0.01 of lambert have no such flux. Allowed: flux, nadir_radiance. */
                 emission_keep?: "flux" | "nadir_radiance";
+                /** @description Clouds: none, or the base of a closed layer of cloud in metres above sea level, of those that tables are resident for. Allowed: none, or a whole number from 200 to 12000 m. */
+                clouds?: string;
                 /** @description Whether terrain hides: the sky below the observer's horizon is dark and numbers are of the visible sky, and of every source's light what leaves below its skyline towards the observer does not count. Allowed: on, off. */
                 terrain?: "on" | "off";
                 /** @description Id of a scenario or plan of the scene: its lights are as that says. Allowed: s- or p- and 20 hexadecimal digits, as POST scenarios and POST plans answer. */
@@ -9448,7 +9465,7 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. Default: dark. */
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where water is calm: that of the scene's land cover, or without one all ground that is exactly level, as lakes and the sea are in most terrain models. A scene with land cover has its albedo, another 0.15 everywhere. Allowed: dark, lit, snow, water. Default: dark. */
                 ground?: "dark" | "lit" | "snow" | "water";
                 /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. Default: standard. */
                 dynamic_range?: "standard" | "hdr";
@@ -9953,7 +9970,7 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. */
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where water is calm: that of the scene's land cover, or without one all ground that is exactly level, as lakes and the sea are in most terrain models. A scene with land cover has its albedo, another 0.15 everywhere. Allowed: dark, lit, snow, water. */
                 ground?: "dark" | "lit" | "snow" | "water";
                 /** @description `hdr` lets stars, planets, Moon, Sun and lamps go above white, up to 1 000 cd m⁻² on screens that can: a PNG of 16-bit samples in PQ and BT.2020, which its chunk `cICP` says. White is 203 cd m⁻². A program that does not know the chunk shows it too grey. These are luminances of a screen, none of the sky. With `style=realistic` or `style=eye`, as PNG. Allowed: standard, hdr. */
                 dynamic_range?: "standard" | "hdr";
@@ -10439,7 +10456,7 @@ export interface operations {
                 exposure?: number;
                 /** @description Luminance that the eye of `style=eye` is adapted to, so that two skies compare; default: the mean of the sky. Allowed: 0.0001 to 100000 cd/m2. */
                 adaptation?: number;
-                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where all ground that is exactly level, as lakes and the sea are in most terrain models, is calm water. Allowed: dark, lit, snow, water. */
+                /** @description Ground below the horizon: a silhouette; `lit` by the sky, the Moon and its own lamps, behind the air in between; the same under snow; or `water`: the same where water is calm: that of the scene's land cover, or without one all ground that is exactly level, as lakes and the sea are in most terrain models. A scene with land cover has its albedo, another 0.15 everywhere. Allowed: dark, lit, snow, water. */
                 ground?: "dark" | "lit" | "snow" | "water";
                 /** @description Width of the sky in the picture; the default depends on projection and format. Allowed: a whole number from 16 to 4096. */
                 width?: number;

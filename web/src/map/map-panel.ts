@@ -144,12 +144,13 @@ function layerRequest(
   conditions: Conditions,
   beside: Scene | null = null,
 ): LayerRequest | null {
-  const { place, clouds, layers } = state;
+  const { place, clouds, cloudCover, layers } = state;
   const { scenario } = conditions;
   const scene = beside ?? sceneOf(state);
   const query = {
     elevation: scene?.terrain === true ? {} : null,
-    brightness: clouds === null ? { ...conditions, ...ofMeasure(mapMeasure(state)) } : null,
+    // Maps know closed clouds, no broken ones.
+    brightness: clouds === null || cloudCover >= 100 ? { ...conditions, ...ofMeasure(mapMeasure(state)) } : null,
     radiance: scenario === undefined ? {} : { scenario },
     influence: place === null ? null : influenceQuery(state, place, conditions),
   }[layer];

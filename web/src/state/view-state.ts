@@ -47,7 +47,7 @@ export type ResponseName = (typeof RESPONSES)[number];
 /** More than these are no longer seen side by side. */
 export const MAX_PINS = 5;
 
-/** How the land below the skyline is shown to eye and camera: as a silhouette, in the light that falls on it, so under snow, or with level ground as water. */
+/** How the land below the skyline is shown to eye and camera: as a silhouette, in the light that falls on it, so under snow, or with calm water. */
 export const LANDS = ["dark", "lit", "snow", "water"] as const;
 export type LandKind = (typeof LANDS)[number];
 

@@ -45,7 +45,7 @@ function mountLayer(store: AppStore, layer: LayerName): void {
     slider.disabled = !box.checked;
     if (opacity > 0) slider.value = String(opacity);
   };
-  store.watch([sceneOf, "clouds", "place", "layers"], show);
+  store.watch([sceneOf, "clouds", "cloudCover", "place", "layers"], show);
   store.watch([({ layerStates }) => layerStates[layer]], ({ layerStates, response }) => {
     const state = layerStates[layer];
     if (state !== undefined) showLayerState(layer, state, response);
@@ -54,10 +54,10 @@ function mountLayer(store: AppStore, layer: LayerName): void {
 
 /** What must be so before a layer can be shown; empty where it is. */
 function hintOf(layer: LayerName, state: Readonly<AppState>): string {
-  const { noTerrain, clearSkyAlone, placeFirst } = words().layers;
+  const { noTerrain, notBetweenClouds, placeFirst } = words().layers;
   return {
     elevation: sceneOf(state)?.terrain === false ? noTerrain : "",
-    brightness: state.clouds === null ? "" : clearSkyAlone,
+    brightness: state.clouds === null || state.cloudCover >= 100 ? "" : notBetweenClouds,
     radiance: "",
     influence: state.place === null ? placeFirst : "",
   }[layer];

@@ -27,6 +27,8 @@ pub struct BrightnessAssumptions {
     pub scattering: String,
     /// Lambertian albedo of the ground; null where scattering is single.
     pub ground_albedo: Option<f64>,
+    /// Altitude of the base of the clouds, metres above sea level, or `none`.
+    pub clouds: String,
     /// As it is asked for: `zenith`, `horizontal`, `slope`.
     pub measure: String,
     /// `artificial` light alone, or `total` with the natural sky.
@@ -49,7 +51,12 @@ pub struct BrightnessAssumptions {
 }
 
 /// What a map of brightness shows, in words.
-pub fn brightness_shows(measure: MapMeasure, light: MapLight, response: &Response) -> String {
+pub fn brightness_shows(
+    measure: MapMeasure,
+    light: MapLight,
+    cloud_base_m: Option<u32>,
+    response: &Response,
+) -> String {
     let [photopic, other] = match measure {
         MapMeasure::Zenith => ["artificial luminance at the zenith", "artificial light at the zenith"],
         MapMeasure::Mean => ["mean artificial luminance of the sky", "mean artificial light of the sky"],
@@ -80,7 +87,10 @@ pub fn brightness_shows(measure: MapMeasure, light: MapLight, response: &Respons
         response => format!("{other}, {}", response.name()),
     };
     match light {
-        MapLight::Artificial => artificial,
+        MapLight::Artificial => match cloud_base_m {
+            Some(base_m) => format!("{artificial}, under clouds at {base_m} m"),
+            None => artificial,
+        },
         MapLight::Total(None) => format!("{artificial}; the dark reference of the natural sky is added"),
         MapLight::Total(Some(time)) => {
             format!("{artificial}; the natural sky of {} is added", time.instant.to_rfc3339())
@@ -123,13 +133,16 @@ impl BrightnessAssumptions {
         step_pixels: u32,
         facts: &SourceFacts,
     ) -> Self {
-        let kind = facts.kinds_under(None).find(|kind| kind.scattering == request.scattering);
+        let kind = facts.kinds_under(request.cloud_base_m).find(|kind| kind.scattering == request.scattering);
         let edge =
             "light outside the raster is unknown, not absent: near its edges the sky is brighter than this"
                 .to_owned();
         let open = open_lights_warning(request.terrain_hides, scene, kind);
         let is_level = request.measure == MapMeasure::Slope && !(request.terrain_hides && scene.terrain);
         let level = is_level.then(|| "without terrain the ground is level under an open sky".to_owned());
+        let clouds = request.cloud_base_m.map(|base_m| {
+            format!("under clouds at {base_m} m: ground higher than 100 m below them has no value, and no natural light is in it")
+        });
         Self {
             scene: scene.into(),
             scenario: request.scenario.as_ref().map(ChangeId::to_string),
@@ -138,6 +151,7 @@ impl BrightnessAssumptions {
             turbidity: request.turbidity.value(),
             scattering: request.scattering.name().to_owned(),
             ground_albedo: kind.and_then(|kind| kind.ground_albedo),
+            clouds: request.cloud_base_m.map_or_else(|| "none".to_owned(), |base_m| base_m.to_string()),
             measure: request.measure.name().to_owned(),
             sky: if request.light == MapLight::Artificial { "artificial" } else { "total" }.to_owned(),
             time: match request.light {
@@ -149,7 +163,7 @@ impl BrightnessAssumptions {
             emission: request.emission.into(),
             hidden_lights: hides_lights(request.terrain_hides, scene, kind),
             step_pixels,
-            warnings: std::iter::once(edge).chain(open).chain(level).collect(),
+            warnings: std::iter::once(edge).chain(open).chain(level).chain(clouds).collect(),
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct SceneAnswer {
     pub illustrative: bool,
     /// Whether the scene has terrain.
     pub terrain: bool,
+    /// Whether it is known what covers the ground; pictures light it by that.
+    pub land_cover: bool,
     /// Number of named places.
     pub places_count: u64,
     /// Whom to credit for the places, where the scene brought none of its own.
@@ -80,6 +82,7 @@ impl From<SceneMetadata> for SceneAnswer {
             attribution: scene.attribution,
             illustrative: scene.illustrative,
             terrain: scene.terrain,
+            land_cover: scene.land_cover,
             places_count: scene.places_count,
             places_source: scene.places_source,
             ingested: scene.ingested_unix_s.map(rfc3339),

@@ -1,11 +1,12 @@
 //! Requests for the brightness of all places.
 
-use super::sky::{read_conditions, read_light, read_time};
+use super::sky::{Conditions, read_conditions, read_light, read_time};
 use crate::{
     error::AppError,
     facts::SourceFacts,
     parameters::{self as p, BrightnessParameters, ParameterSet},
     reader::Reader,
+    validation::ValidationCode,
 };
 use skyglow_display::Sky;
 use skyglow_observatory::{BrightnessRequest, MapLight, MapMeasure};
@@ -26,6 +27,10 @@ pub fn brightness(
     let sky = read_light(&mut reader);
     let turbidity = conditions.as_ref().map(|conditions| conditions.turbidity());
     let time = read_time(&mut reader, &p::TIME, facts, turbidity);
+    if sky == Sky::Total && conditions.as_ref().is_some_and(Conditions::is_overcast) {
+        let message = Some("means nothing under `clouds`: maps under them show artificial light".to_owned());
+        reader.fail(&p::SKY, ValidationCode::Conflict, message, Some("artificial".to_owned()));
+    }
     reader.finish()?;
     let (Some(conditions), Some(time)) = (conditions, time) else {
         return Err(AppError::internal("a map was neither read nor refused"));

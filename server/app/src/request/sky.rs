@@ -137,12 +137,23 @@ impl Conditions {
         max_places: usize,
     ) -> BrightnessRequest {
         let light = MapLight::Artificial;
-        let Self { scenario, turbidity, scattering, lamp, response, emission, terrain_hides, .. } = self;
+        let Self {
+            scenario,
+            turbidity,
+            scattering,
+            cloud_base_m,
+            lamp,
+            response,
+            emission,
+            terrain_hides,
+            ..
+        } = self;
         BrightnessRequest {
             scene,
             scenario,
             turbidity,
             scattering,
+            cloud_base_m,
             lamp,
             measure,
             light,
@@ -151,6 +162,11 @@ impl Conditions {
             terrain_hides,
             max_places,
         }
+    }
+
+    /// Whether there is a layer of cloud.
+    pub(super) fn is_overcast(&self) -> bool {
+        self.cloud_base_m.is_some()
     }
 
     /// The turbidity.

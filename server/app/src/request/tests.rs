@@ -150,6 +150,15 @@ fn clouds_are_those_that_are_resident() {
     assert_eq!((sky.cloud_base_m, sky.scattering), (Some(2_000), Scattering::Single));
     assert_eq!(view.options.sky, Sky::Total);
     assert_eq!(read("&clouds=2000").unwrap().1.options.sky, Sky::Artificial);
+    // Maps know a closed layer too, in artificial light.
+    let map = |query: &str| brightness(Some(query), SceneId::parse("demo").unwrap(), &facts);
+    assert_eq!(map("clouds=2000&measure=horizontal").unwrap().cloud_base_m, Some(2_000));
+    let errors = map("clouds=2000&sky=total").unwrap_err().field_errors().to_vec();
+    assert_eq!(
+        (errors.len(), errors[0].parameter.as_str(), errors[0].code),
+        (1, "sky", ValidationCode::Conflict)
+    );
+    assert!(map("clouds=2000&cloud_cover=0.5").is_err());
     // The best resident is that of a clear sky, whatever comes after it.
     assert_eq!(read("").unwrap().0.scattering, Scattering::Single);
     for (query, allowed) in [

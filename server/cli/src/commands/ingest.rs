@@ -10,7 +10,8 @@ use crate::{
 };
 use clap::{Args, builder::BoolishValueParser};
 use skyglow_scene::{
-    IngestOptions, NoisePolicy, RadianceUnit, SceneError, SceneId, SceneStore, SkylineTime, ingest,
+    IngestOptions, LandClasses, NoisePolicy, OverlapRule, RadianceUnit, SceneError, SceneId, SceneStore,
+    SkylineTime, ingest,
 };
 use std::path::PathBuf;
 
@@ -20,13 +21,30 @@ use std::path::PathBuf;
     after_help = "Examples:\n  skyglow ingest VNP46A4_2023.tif --terrain elevation.tif --id my-region --title 'My region'\n  skyglow ingest VNP46A4.A2023001.h2*v0*.h5 --id east-africa --quality 0"
 )]
 pub(crate) struct Ingest {
-    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
-    /// of which the first that has a measurement counts; also a folder, a list (.txt) or a virtual raster (.vrt) of such files
+    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene
+    /// (--overlap says what counts where several measured); also a folder, a list (.txt) or a virtual raster (.vrt) of such files
     #[arg(required = true, value_name = "FILE")]
     radiance: Vec<PathBuf>,
+    /// Where several rasters have measured a pixel: first (in the order given), mean, max, or newest (by the dates in the files' names)
+    /// [default: first]
+    #[arg(long, env = "SKYGLOW_OVERLAP", value_name = "RULE", value_parser = OverlapRule::parse)]
+    overlap: Option<OverlapRule>,
     /// Terrain, GeoTIFF or SRTM .hgt; may be given several times, the first that has a value wins
     #[arg(long, env = "SKYGLOW_TERRAIN", value_name = "FILE", value_delimiter = ',')]
     terrain: Vec<PathBuf>,
+    /// Classes of land cover, GeoTIFF or COG, by which pictures light the ground; may be given several times, the first that knows a
+    /// place counts
+    #[arg(long = "land-cover", env = "SKYGLOW_LAND_COVER", value_name = "FILE", value_delimiter = ',')]
+    land_cover: Vec<PathBuf>,
+    /// Whose classes: worldcover, cci, corine or igbp [default: worldcover, where there are no others]
+    #[arg(
+        long,
+        env = "SKYGLOW_LAND_COVER_CLASSES",
+        value_name = "NAME",
+        value_parser = LandClasses::parse,
+        requires = "land_cover"
+    )]
+    land_cover_classes: Option<LandClasses>,
     /// Id of the scene, 1 to 64 of a-z, 0-9 and - [default: made from the file's name]
     #[arg(long, env = "SKYGLOW_ID", value_parser = SceneId::parse)]
     id: Option<SceneId>,
@@ -123,7 +141,10 @@ impl Ingest {
         let store = SceneStore::new(self.data.folder());
         let options = IngestOptions {
             radiance: self.radiance,
+            overlap: self.overlap.unwrap_or_default(),
             terrain: self.terrain,
+            land_cover: self.land_cover,
+            land_cover_classes: self.land_cover_classes,
             id: self.id,
             title: self.title,
             date: self.date,

@@ -7,14 +7,14 @@ use skyglow_scene::{SceneId, SceneStore, SharedScenes};
 /// Put a scene into the store that servers share
 ///
 /// Every server over the store copies it within seconds, in place of the one of that id. What a server is given by PUT goes there by
-/// itself, and DELETE removes it for all. Credentials are those of the environment (`AWS_…`).
+/// itself, and DELETE removes it for all. Credentials are those of the environment (`AWS_…`, `GOOGLE_…`, `AZURE_…`).
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  skyglow push world --store s3://skyglow/production")]
 pub(crate) struct Push {
     /// The scene's id
     #[arg(env = "SKYGLOW_SCENE", value_name = "SCENE", value_parser = SceneId::parse)]
     scene: SceneId,
-    /// The store: s3://BUCKET/PREFIX, or file:///FOLDER
+    /// The store: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX, az://CONTAINER/PREFIX, or file:///FOLDER
     #[arg(long, env = "SKYGLOW_STORE", value_name = "ADDRESS")]
     store: String,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! A compact panorama for programs that draw skies themselves: logarithms of 16 bits as differences to the gradient of their neighbours
 //! (the planar predictor of lossless JPEG, Wallace 1992), low and high bytes apart, so that any compression finds runs.
 
-use crate::{bodies::PointLight, ground::without_ground};
+use crate::bodies::PointLight;
 use skyglow_physics::{AZIMUTH_COUNT, Horizon, SeenSky};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -36,7 +36,7 @@ impl LogPlane {
 
     /// Of every response of a sky, `[row][column]`. Hidden samples have the value of the lowest visible one of their column.
     pub fn of_sky(seen: &SeenSky, horizon: &Horizon) -> Vec<Self> {
-        let filled = without_ground(seen, horizon);
+        let filled = seen.without_ground(horizon);
         let plane = |place| Self::of(filled.plane(place).iter().map(|value| f64::from(*value)));
         (0..seen.responses().len()).map(plane).collect()
     }

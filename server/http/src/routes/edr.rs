@@ -298,7 +298,10 @@ fn picture_of(
             values.push(value.unwrap_or_default() as f32);
         }
     }
-    let words = brightness_description((map.measure, map.light, &map.response), map.scene().illustrative);
+    let words = brightness_description(
+        (map.measure, map.light, map.cloud_base_m, &map.response),
+        map.scene().illustrative,
+    );
     brightness_map_png(&values, &has_data, size_px, map.colour_range(), &Notes::new(&words, ""))
         .map_err(ApiError::internal)
 }

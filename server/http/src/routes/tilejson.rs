@@ -66,7 +66,7 @@ pub async fn get_tilejson(
         }
         MapLayer::Brightness => {
             let request = brightness(query.as_deref(), id, facts)?;
-            let seen = (request.measure, request.light, request.response.clone());
+            let seen = (request.measure, request.light, request.cloud_base_m, request.response.clone());
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
             let version = tile_version(&prepared.key)?;
@@ -97,8 +97,8 @@ enum Shown {
         query: Option<String>,
     },
     Brightness {
-        /// What of the sky, which light, and what sees it.
-        seen: (MapMeasure, MapLight, ResponseKind),
+        /// What of the sky, which light, under which clouds, and what sees it.
+        seen: (MapMeasure, MapLight, Option<u32>, ResponseKind),
         /// As it came.
         query: Option<String>,
         version: String,
@@ -132,9 +132,10 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
             };
             (description(*layer, illustrative), given(query), version, unit.to_owned(), range)
         }
-        Shown::Brightness { seen: (measure, light, response), query, version, .. } => {
+        Shown::Brightness { seen: (measure, light, cloud_base_m, response), query, version, .. } => {
             let range = Some(measure.colour_range(response).into());
-            let description = brightness_description((*measure, *light, response), illustrative);
+            let description =
+                brightness_description((*measure, *light, *cloud_base_m, response), illustrative);
             (description, given(query), version, measure.unit(response.unit()), range)
         }
         Shown::Influence { measure, unit, version, query, most } => {
@@ -146,7 +147,7 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     let parameters = query.split('&').filter(|pair| !pair.is_empty() && !pair.starts_with("v="));
     let query: String = parameters.map(|pair| format!("&{pair}")).collect();
     let (progress, natural) = match shown {
-        Shown::Brightness { progress, seen: (measure, _, response), .. } => {
+        Shown::Brightness { progress, seen: (measure, _, _, response), .. } => {
             (*progress, Some(measure.natural_value(response)))
         }
         _ => (None, None),

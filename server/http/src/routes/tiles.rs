@@ -312,8 +312,10 @@ async fn brightness_tile(
     }
     let draw = async {
         let map = prepared.find(state).await?;
-        let description =
-            brightness_description((map.measure, map.light, &map.response), map.scene().illustrative);
+        let description = brightness_description(
+            (map.measure, map.light, map.cloud_base_m, &map.response),
+            map.scene().illustrative,
+        );
         let notes = Notes::new(&description, "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
@@ -354,11 +356,11 @@ pub(super) fn description(layer: TileLayer, illustrative: bool) -> String {
 
 /// What is said of the layer of brightness.
 pub(super) fn brightness_description(
-    (measure, light, response): (MapMeasure, MapLight, &skyglow_physics::Response),
+    (measure, light, cloud_base_m, response): (MapMeasure, MapLight, Option<u32>, &skyglow_physics::Response),
     illustrative: bool,
 ) -> String {
     let (dark, bright) = measure.colour_range(response);
-    let what = brightness_shows(measure, light, response);
+    let what = brightness_shows(measure, light, cloud_base_m, response);
     let shows = format!(
         "{what}: {dark:.3e} to {bright:.3e} {} (a hundredth of the dark reference outside the air to forty times that) on a logarithmic scale; less is \
          transparent",

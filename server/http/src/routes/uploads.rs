@@ -20,7 +20,7 @@ use skyglow_app::{
     request::{new_scene_id, no_parameters, scene_id},
     validation::{FieldError, ValidationCode, echo},
 };
-use skyglow_scene::{IngestOptions, NoisePolicy, RadianceUnit, SceneId};
+use skyglow_scene::{IngestOptions, LandClasses, NoisePolicy, OverlapRule, RadianceUnit, SceneId};
 use std::{
     path::{Path as FilePath, PathBuf},
     time::Duration,
@@ -39,16 +39,20 @@ const MAX_PAUSE: Duration = Duration::from_secs(30);
 #[derive(Debug, ToSchema)]
 #[expect(dead_code, reason = "for the document: the fields are read one by one as they come")]
 pub struct SceneUpload {
-    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene,
-    /// of which the first that has a measurement counts.
+    /// Upward radiance: GeoTIFF, COG or NASA Black Marble HDF5 granules, plain or in gzip or zip; several on one grid make one scene.
     #[schema(value_type = Vec<String>, format = Binary)]
     radiance: Vec<u8>,
     /// Terrain, GeoTIFF or SRTM `.hgt`; may be given several times, the first that has a value wins.
     #[schema(value_type = Option<String>, format = Binary)]
     terrain: Option<Vec<u8>>,
+    /// Classes of land cover, GeoTIFF or COG, by which pictures light the ground; may be given several times.
+    #[schema(value_type = Option<String>, format = Binary)]
+    land_cover: Option<Vec<u8>>,
     /// GeoJSON or CSV with name, latitude, longitude and population.
     #[schema(value_type = Option<String>, format = Binary)]
     places: Option<Vec<u8>>,
+    /// Whose classes of land cover: `worldcover`, `cci`, `corine` or `igbp`; by default WorldCover's, where there are no others.
+    land_cover_classes: Option<String>,
     /// Title for people; by default the id.
     title: Option<String>,
     /// When the radiances were taken.
@@ -75,6 +79,9 @@ pub struct SceneUpload {
     min_observations: Option<u32>,
     /// Noise around zero: `balance` or `cut`.
     noise: Option<String>,
+    /// What counts where several rasters have measured a pixel: `first` in the order given, `mean`, `max`, or `newest` by the dates in the
+    /// files' names.
+    overlap: Option<String>,
     /// Unit of the terrain, such as `m` or `ft`; by default what each file says.
     terrain_units: Option<String>,
     /// Factor on every radiance.
@@ -225,6 +232,7 @@ async fn take(
         "radiance" => options.radiance.len() >= MAX_FILES,
         "places" => options.places.is_some(),
         "terrain" => options.terrain.len() >= MAX_FILES,
+        "land_cover" => options.land_cover.len() >= MAX_FILES,
         _ => false,
     };
     if is_repeated {
@@ -232,7 +240,7 @@ async fn take(
             &name,
             None,
             ValidationCode::Repeated.description().to_owned(),
-            "one, or 256 files of radiance and of terrain",
+            "one, or 256 files of radiance, of terrain and of land_cover",
         ));
     }
     match name.as_str() {
@@ -248,12 +256,16 @@ async fn take(
             let part = format!("terrain{}", options.terrain.len());
             options.terrain.push(save_file(state, folder, &part, "tif", field).await?);
         }
+        "land_cover" => {
+            let part = format!("land_cover{}", options.land_cover.len());
+            options.land_cover.push(save_file(state, folder, &part, "tif", field).await?);
+        }
         _ if TEXT_FIELDS.contains(&name.as_str()) => {
             let text = text_of(state, &name, field).await?;
             take_text(&name, text, options)?;
         }
         _ => {
-            let allowed = format!("radiance, terrain, places, {}", TEXT_FIELDS.join(", "));
+            let allowed = format!("radiance, terrain, land_cover, places, {}", TEXT_FIELDS.join(", "));
             let message = ValidationCode::UnknownParameter.description().to_owned();
             return Err(field_error(&echo(&name), None, message, &allowed));
         }
@@ -262,7 +274,7 @@ async fn take(
 }
 
 /// Fields that are no files.
-const TEXT_FIELDS: [&str; 15] = [
+const TEXT_FIELDS: [&str; 17] = [
     "title",
     "date",
     "attribution",
@@ -277,6 +289,8 @@ const TEXT_FIELDS: [&str; 15] = [
     "quality",
     "min_observations",
     "noise",
+    "overlap",
+    "land_cover_classes",
     "terrain_units",
 ];
 
@@ -315,6 +329,14 @@ fn take_text(name: &str, text: String, options: &mut IngestOptions) -> Result<()
                 "off" | "false" | "0" => false,
                 _ => return Err(malformed("on or off")),
             };
+        }
+        "land_cover_classes" => {
+            let classes = LandClasses::parse(&text).map_err(|error| refused(error, LandClasses::NAMES))?;
+            options.land_cover_classes = Some(classes);
+        }
+        "overlap" => {
+            options.overlap =
+                OverlapRule::parse(&text).map_err(|error| refused(error, OverlapRule::NAMES))?;
         }
         "noise" => {
             options.noise = NoisePolicy::parse(&text).map_err(|error| refused(error, "balance or cut"))?;

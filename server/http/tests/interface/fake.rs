@@ -192,6 +192,7 @@ impl Fake {
             illustrative: self.illustrative.load(Ordering::SeqCst),
             terrain: true,
             light_skylines: true,
+            land_cover: false,
             places_count: 1,
             places_source: None,
             ingested_unix_s: Some(1_764_374_400),

@@ -1,5 +1,6 @@
 //! What a light does to a measure of the open sky, by altitude of the place, distance, height of the light over the place and
-//! skyline: a table of the packs' own numbers, for sums over all lights at many places.
+//! skyline: a table of the packs' own numbers, for sums over all lights at many places. Under clouds lights near the base count by
+//! their depth ([`LightShare`]).
 
 use super::InfluenceSolver;
 use crate::error::ObservatoryError;
@@ -8,9 +9,9 @@ use skyglow_physics::{
     AZIMUTH_COUNT, BAND_COUNT, GeoPoint, Horizon, LinearMeasure, blocking::BLOCKING_COUNT,
     panorama::azimuth_rad, spectrum::SpectralRule,
 };
-use skyglow_render::RenderError;
-use skyglow_render::request::RenderRequest;
+use skyglow_render::{RenderError, light_share::LightShare, request::RenderRequest};
 use skyglow_scene::{PlaceKernel, PolarCell, PolarGrid, RING_COUNT, UniformAxis};
+use skyglow_tables::clouds::ceiling_m;
 use std::{
     f64::consts::{FRAC_PI_2, PI},
     sync::Arc,
@@ -73,7 +74,15 @@ pub fn place_kernel(
     let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
     let of_altitude = |altitude: usize| {
         let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
-        let polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
+        let mut polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
+        let cloud_m = request.cloud_base_m.map_or(f64::INFINITY, f64::from);
+        // A light that no table knows under the clouds is as the highest that one knows, by the share of it that counts.
+        let share = |cell: &PolarCell| f64::from(LightShare::of(cell, observer_altitude_m, cloud_m).share);
+        let shares: Vec<f64> = polar.cells.iter().map(share).collect();
+        polar
+            .cells
+            .iter_mut()
+            .for_each(|cell| cell.altitude_m = cell.altitude_m.min(ceiling_m(cloud_m) as f32));
         let request = RenderRequest { polar: Arc::new(polar), observer_altitude_m, ..request.clone() };
         let cells: Vec<f64> = match of {
             KernelOf::Measure(measure) => {
@@ -89,7 +98,8 @@ pub fn place_kernel(
         let of_ring = |ring: usize| (0..offsets.count).map(move |offset| offset * RING_COUNT + ring);
         let values = (0..RING_COUNT).flat_map(of_ring).flat_map(|at| {
             let of_skylines = &cells[at * blocking_count..(at + 1) * blocking_count];
-            of_skylines.iter().map(|value| *value as f32)
+            let shares = &shares[at * blocking_count..(at + 1) * blocking_count];
+            of_skylines.iter().zip(shares).map(|(value, share)| (value * share) as f32).collect::<Vec<f32>>()
         });
         Ok(values.collect())
     };

@@ -1,6 +1,7 @@
-//! Radiance rasters on one grid, side by side: the first that has a measurement of a pixel counts.
+//! Radiance rasters on one grid, side by side or over each other.
 
 use super::gdal_open::gdal_reason;
+use super::overlap::{Merge, OverlapRule};
 use super::radiance_source::{PixelKind, RadianceSource, Strip};
 use crate::error::SceneError;
 use gdal::spatial_ref::SpatialRef;
@@ -100,19 +101,25 @@ impl Mosaic {
 
     /// Reads rows of the whole grid; `part` is scratch.
     ///
+    /// * `fill_nw_cm2_sr`: a value that is no measurement, beside those that are known.
+    ///
     /// # Errors
     /// As [`RadianceSource::read_rows`].
     pub(super) fn read_rows(
         &self,
         first_row: usize,
         rows: usize,
+        (rule, fill_nw_cm2_sr): (OverlapRule, Option<f64>),
         whole: &mut Strip,
         part: &mut Strip,
     ) -> Result<(), SceneError> {
         let width = self.size.0;
         if let [only] = self.sources.as_slice() {
-            return only.source.read_rows(first_row, rows, whole);
+            only.source.read_rows(first_row, rows, whole)?;
+            whole.drop_fill(fill_nw_cm2_sr);
+            return Ok(());
         }
+        let mut merge = Merge::new(rule, width * rows);
         whole.radiance.clear();
         whole.radiance.resize(width * rows, 0.0);
         whole.kinds.clear();
@@ -126,17 +133,11 @@ impl Mosaic {
             part.is_whole = whole.is_whole;
             source.read_rows(from - own.start, to - from, part)?;
             whole.is_whole = part.is_whole;
+            part.drop_fill(fill_nw_cm2_sr);
             let length = columns.len();
             for row in from..to {
                 let (there, here) = ((row - from) * length, (row - first_row) * width + columns.start);
-                for column in 0..length {
-                    let kind = part.kinds[there + column];
-                    // What is no measurement in one raster may be one in another.
-                    if whole.kinds[here + column] < kind {
-                        whole.kinds[here + column] = kind;
-                        whole.radiance[here + column] = part.radiance[there + column];
-                    }
-                }
+                merge.take(whole, here, part, there, length);
             }
         }
         Ok(())

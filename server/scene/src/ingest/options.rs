@@ -1,6 +1,8 @@
 //! Options and progress of an ingest.
 
 use super::date::{FORMS, is_date};
+use super::land_classes::LandClasses;
+use super::overlap::OverlapRule;
 use super::units::{RadianceUnit, metres_in};
 use crate::error::SceneError;
 use crate::scene_id::SceneId;
@@ -73,11 +75,19 @@ impl SkylineTime {
 /// The options of `skyglow ingest`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct IngestOptions {
-    /// The radiance rasters, GeoTIFF, COG or HDF5, plain or in gzip or zip: one, or several on one grid, of which the first that
-    /// has a measurement counts. Of whoever is trusted also folders, lists (`.txt`) and virtual rasters of local files.
+    /// The radiance rasters, GeoTIFF, COG or HDF5, plain or in gzip or zip: one, or several on one grid. Of whoever is trusted also folders, lists (`.txt`) and virtual rasters of local files.
     pub radiance: Vec<PathBuf>,
+    /// Which measurement of a pixel counts where several rasters have one.
+    #[serde(default)]
+    pub overlap: OverlapRule,
     /// Terrain rasters: GeoTIFF or SRTM `.hgt`; the first that has a value counts.
     pub terrain: Vec<PathBuf>,
+    /// Rasters of classes of land cover, GeoTIFF or COG; the first that knows a place counts.
+    #[serde(default)]
+    pub land_cover: Vec<PathBuf>,
+    /// Whose classes they are; by default WorldCover's, where there are no others.
+    #[serde(default)]
+    pub land_cover_classes: Option<LandClasses>,
     /// The scene's id; by default the file's name made one.
     pub id: Option<SceneId>,
     /// Title for people; by default the id.

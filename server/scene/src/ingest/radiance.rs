@@ -4,6 +4,7 @@ use super::georeference;
 use super::mosaic::Mosaic;
 use super::noise::Negatives;
 use super::options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
+use super::overlap::OverlapRule;
 use super::radiance_source::{PixelKind, Strip};
 use super::statistics::PixelStatistics;
 use crate::error::SceneError;
@@ -46,10 +47,17 @@ pub(super) fn read(
     let refuse = |reason: String| SceneError::Refused { path: first.path.clone(), reason };
     let grid = georeference::grid(&mosaic.geotransform, &mosaic.crs, mosaic.size).map_err(refuse)?;
     check_memory(mosaic, &grid, options).map_err(refuse)?;
-    let mut scan = scan(mosaic, &grid, options, None, progress)?;
-    if let Some(code) = scan.statistics.repeated_minimum() {
-        scan = self::scan(mosaic, &grid, options, Some(code), progress)?;
-        scan.statistics.found_fill(code);
+    // A code of missing data is found among numbers as the files have them, before they are mixed.
+    let mixes =
+        matches!(options.overlap, OverlapRule::Mean | OverlapRule::Max) && mosaic.sources().nth(1).is_some();
+    let as_read = if mixes { OverlapRule::First } else { options.overlap };
+    let mut scan = scan(mosaic, &grid, options, (as_read, None), progress)?;
+    let code = scan.statistics.repeated_minimum();
+    if mixes || code.is_some() {
+        scan = self::scan(mosaic, &grid, options, (options.overlap, code), progress)?;
+        if let Some(code) = code {
+            scan.statistics.found_fill(code);
+        }
     }
     let Scan { mask, mut pixels, negatives, statistics } = scan;
     statistics.check(mosaic, &grid, options).map_err(refuse)?;
@@ -132,7 +140,7 @@ fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<LightCount, Sce
         (1..=LEVELS).map(|level| vec![false; (width >> level) + 1]).collect();
     for first_row in (0..height).step_by(step) {
         let rows = step.min(height - first_row);
-        mosaic.read_rows(first_row, rows, &mut strip, &mut part)?;
+        mosaic.read_rows(first_row, rows, (options.overlap, None), &mut strip, &mut part)?;
         for offset in 0..rows {
             let begins = |level: &usize| (first_row + offset).is_multiple_of(2 << level);
             (0..lit_blocks.len()).take_while(begins).for_each(|level| lit_blocks[level].fill(false));
@@ -158,12 +166,12 @@ fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<LightCount, Sce
 
 /// Reads every pixel once.
 ///
-/// * `fill_nw_cm2_sr`: a value that is no data, beside those that are known.
+/// * `reading`: which of several measurements counts, and a value that is no data, beside those that are known.
 fn scan(
     mosaic: &Mosaic,
     grid: &Grid,
     options: &IngestOptions,
-    fill_nw_cm2_sr: Option<f64>,
+    reading: (OverlapRule, Option<f64>),
     progress: &mut dyn FnMut(IngestProgress),
 ) -> Result<Scan, SceneError> {
     let (width, height) = mosaic.size;
@@ -182,7 +190,7 @@ fn scan(
             total: height as u64,
         });
         let rows = step.min(height - first_row);
-        mosaic.read_rows(first_row, rows, &mut strip, &mut part)?;
+        mosaic.read_rows(first_row, rows, reading, &mut strip, &mut part)?;
         for offset in 0..rows {
             let row = (first_row + offset) as u32;
             let line = offset * width..(offset + 1) * width;
@@ -190,11 +198,6 @@ fn scan(
             let (kinds, values) = (&strip.kinds[line.clone()], &strip.radiance[line]);
             mask.push_row(kinds.iter().zip(values).enumerate().map(|(column, (&kind, &value))| {
                 let place = (column as u32, row);
-                let kind = if kind == PixelKind::Measured && Some(value) == fill_nw_cm2_sr {
-                    PixelKind::Fill
-                } else {
-                    kind
-                };
                 let found = statistics.classify(grid, place, kind, value);
                 if let Some(radiance) = found.lit {
                     pixels.codes.push(morton::encode(place.0, place.1));
@@ -208,7 +211,7 @@ fn scan(
         }
     }
     progress(IngestProgress { stage: IngestStage::Radiance, done: height as u64, total: height as u64 });
-    scan.statistics.all_whole = strip.is_whole;
+    (scan.statistics.all_whole, scan.statistics.shared) = (strip.is_whole, strip.shared);
     scan.mask = scan.mask.finish();
     Ok(scan)
 }

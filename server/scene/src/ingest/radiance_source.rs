@@ -256,6 +256,8 @@ pub(super) struct Strip {
     pub(super) kinds: Vec<PixelKind>,
     /// Whether all measurements so far were whole numbers as stored.
     pub(super) is_whole: bool,
+    /// Measurements of pixels that another raster had measured before.
+    pub(super) shared: u64,
     pub(super) mask: Vec<u8>,
     pub(super) layer: Vec<f64>,
 }
@@ -265,6 +267,16 @@ impl Strip {
         self.radiance.resize(count, 0.0);
         self.mask.resize(count, 0);
         self.kinds.resize(count, PixelKind::Outside);
+    }
+
+    /// Measurements of a value, nW cm⁻² sr⁻¹, are none.
+    pub(super) fn drop_fill(&mut self, fill_nw_cm2_sr: Option<f64>) {
+        let Some(fill) = fill_nw_cm2_sr else { return };
+        for (kind, &radiance) in self.kinds.iter_mut().zip(&self.radiance) {
+            if *kind == PixelKind::Measured && radiance == fill {
+                *kind = PixelKind::Fill;
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::mosaic::Mosaic;
 use super::options::IngestOptions;
+use super::overlap::OverlapRule;
 use super::radiance_source::PixelKind;
 use super::tally::Tally;
 use super::units::RadianceUnit;
@@ -68,6 +69,9 @@ pub(super) struct PixelStatistics {
     fills: Vec<f64>,
     /// Whether all measurements are whole numbers as stored.
     pub(super) all_whole: bool,
+    /// Measurements of pixels that another raster had measured before, and what counts then.
+    pub(super) shared: u64,
+    overlap: OverlapRule,
 }
 
 impl PixelStatistics {
@@ -78,6 +82,7 @@ impl PixelStatistics {
             minimum: f64::INFINITY,
             maximum: f64::NEG_INFINITY,
             all_whole: true,
+            overlap: options.overlap,
             ..Self::default()
         }
     }
@@ -297,6 +302,16 @@ impl PixelStatistics {
             if !warnings.contains(warning) {
                 warnings.push(warning.clone());
             }
+        }
+        if self.shared > 0 {
+            let what = match self.overlap {
+                OverlapRule::First => "first counts, as they were given (--overlap mean, max or newest)",
+                OverlapRule::Mean => "mean counts (--overlap)",
+                OverlapRule::Max => "largest counts (--overlap)",
+                OverlapRule::Newest => "newest counts (--overlap)",
+            };
+            warnings
+                .push(format!("rasters overlap in {} measurements: of each pixel the {what}", self.shared));
         }
         let mean = self.sum / self.lit.count.max(1) as f64;
         if mean < LOW_LIT_MEAN_NW_CM2_SR {

@@ -62,7 +62,7 @@ pub(super) fn read(
         done: paths.len() as u64,
         total: paths.len() as u64,
     });
-    Ok(TerrainFiles { terrain: Terrain::new(layers), report })
+    Ok(TerrainFiles { terrain: Terrain::joined(layers), report })
 }
 
 fn read_layer(

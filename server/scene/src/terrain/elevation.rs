@@ -1,5 +1,6 @@
 //! The elevation of a place: bilinear in the first raster that has a value, else the nearest valid sample within 5 km.
 
+use super::border;
 use super::raster::TerrainRaster;
 use crate::grid::Grid;
 use crate::ground::Ground;
@@ -19,10 +20,17 @@ const MAX_SEARCH_RINGS: i64 = 40;
 /// Elevation from one or more rasters; where they overlap, the first that has a value counts.
 #[derive(Debug, Default)]
 pub(crate) struct Terrain {
-    pub(super) rasters: Vec<TerrainRaster>,
+    pub(crate) rasters: Vec<TerrainRaster>,
 }
 
 impl Terrain {
+    /// Rasters with what lies around each of them, so that elevation is bilinear from one to the next.
+    pub(crate) fn joined(mut rasters: Vec<TerrainRaster>) -> Self {
+        border::join(&mut rasters);
+        Self { rasters }
+    }
+
+    /// Rasters as they are.
     pub(crate) fn new(rasters: Vec<TerrainRaster>) -> Self {
         Self { rasters }
     }
@@ -44,10 +52,7 @@ impl Terrain {
 
     /// The same from overviews whose samples are not much finer than `resolution_m`.
     pub(crate) fn overview_m(&self, place: GeoPoint, resolution_m: f64) -> Option<f64> {
-        self.rasters.iter().find_map(|raster| {
-            let ratio = (resolution_m / raster.sample_size_m()).max(1.0);
-            raster.bilinear_m(ratio.log2().round() as usize, place)
-        })
+        self.rasters.iter().find_map(|raster| raster.overview_m(place, resolution_m))
     }
 
     /// How the ground lies at a place, by differences over two samples of the raster that has a value there; level where one of them
@@ -57,7 +62,7 @@ impl Terrain {
             return Slope::default();
         };
         let step_m = raster.sample_size_m();
-        let at = |azimuth_rad: f64| raster.bilinear_m(0, place.destination(azimuth_rad, step_m));
+        let at = |azimuth_rad: f64| self.elevation_m(place.destination(azimuth_rad, step_m));
         let [north_m, east_m, south_m, west_m] = [0.0, FRAC_PI_2, PI, 1.5 * PI].map(at);
         let rise =
             |ahead_m: Option<f64>, behind_m: Option<f64>| Some((ahead_m? - behind_m?) / (2.0 * step_m));

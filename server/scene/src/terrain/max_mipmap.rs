@@ -2,9 +2,10 @@
 //!
 //! A *cell* is the square between four neighbouring sample centres, on which elevation is bilinear and so nowhere
 //! above the highest of the four. Cell (i, j) lies between samples i − 1 and i, j − 1 and j, clamped to those that
-//! exist: cells 0 and `width` are the halves of the edge samples that extend to the raster's edge. The pyramid's
+//! exist or lie around it: cells 0 and `width` are the halves of the edge samples that extend to the raster's edge. The pyramid's
 //! lowest level has the maximum of blocks of 8 × 8 cells, each level above that of 2 × 2 blocks.
 
+use super::border::Border;
 use super::tile::SIDE;
 use crate::grid::Grid;
 use glam::DVec3;
@@ -47,8 +48,13 @@ impl Level {
 impl MaxMipmap {
     /// Of all samples of a raster, on as many threads as there are cores.
     ///
+    /// * `border`: the samples around it.
     /// * `unpacked`: the samples of a tile by its number; `None` for one without any.
-    pub(super) fn new(grid: &Grid, unpacked: impl Fn(usize) -> Option<Vec<f32>> + Sync) -> Self {
+    pub(super) fn new(
+        grid: &Grid,
+        border: Option<&Border>,
+        unpacked: impl Fn(usize) -> Option<Vec<f32>> + Sync,
+    ) -> Self {
         let tile_count = (grid.width as usize).div_ceil(SIDE) * (grid.height as usize).div_ceil(SIDE);
         let void = Level::void(block_count(grid.width), block_count(grid.height));
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(tile_count);
@@ -71,6 +77,9 @@ impl MaxMipmap {
         let mut lowest = void;
         for part in parts {
             lowest.highest_m.iter_mut().zip(part.highest_m).for_each(|(all, one)| *all = all.max(one));
+        }
+        for (column, row, height_m) in border.into_iter().flat_map(Border::known) {
+            raise_by_border(&mut lowest, grid, (column, row), height_m);
         }
         Self::above(grid, lowest)
     }
@@ -146,6 +155,19 @@ fn raise_by_tile(level: &mut Level, grid: &Grid, number: usize, samples: &[f32])
                 level.raise(c0, r1, height_m);
                 level.raise(c1, r1, height_m);
             }
+        }
+    }
+}
+
+/// Raises the blocks of the cells that a sample just outside of the raster is a corner of.
+fn raise_by_border(level: &mut Level, grid: &Grid, (column, row): (i64, i64), height_m: f32) {
+    let blocks = |sample: i64, count: u32| {
+        let cell = |at: i64| at.clamp(0, i64::from(count)) as usize >> BLOCK_BITS;
+        [cell(sample), cell(sample + 1)]
+    };
+    for row in blocks(row, grid.height) {
+        for column in blocks(column, grid.width) {
+            level.raise(column, row, height_m);
         }
     }
 }

@@ -4,8 +4,8 @@ use super::elevation::Terrain;
 use super::raster::TerrainRaster;
 use super::sampler::Sampler;
 use glam::DVec3;
-use skyglow_physics::EARTH_RADIUS_M;
 use skyglow_physics::geometry::LocalFrame;
+use skyglow_physics::{EARTH_RADIUS_M, GeoPoint};
 
 /// Distances from one place at which ground is looked at along every azimuth.
 pub(super) struct Distances {
@@ -48,6 +48,7 @@ pub(super) struct Path<'a> {
     forward: DVec3,
     /// Across it, to the right.
     right: DVec3,
+    terrain: &'a Terrain,
     rasters: Vec<OverRaster<'a>>,
 }
 
@@ -79,6 +80,7 @@ impl<'a> Path<'a> {
             up: frame.up,
             forward: frame.forward(azimuth_rad),
             right: frame.forward(azimuth_rad + std::f64::consts::FRAC_PI_2),
+            terrain,
             rasters: rasters.collect(),
         }
     }
@@ -119,7 +121,9 @@ impl<'a> Path<'a> {
     /// each way, or `width_m` where that is more. Level beside voids.
     pub(super) fn rise(&mut self, at: usize, point: &PathPoint, width_m: f64) -> (f64, f64) {
         let vector = self.vector(at);
-        let right = self.right;
+        let (right, terrain) = (self.right, self.terrain);
+        let (sin, cos) = self.distances.arcs[at];
+        let ahead = self.forward * cos - self.up * sin;
         let Some(over) = self.rasters.get_mut(point.raster).filter(|_| point.elevation_m.is_some()) else {
             return (0.0, 0.0);
         };
@@ -133,12 +137,17 @@ impl<'a> Path<'a> {
         let across = (beside.0 - column, beside.1 - row);
         let along = (point.along.0 * step_m, point.along.1 * step_m);
         let sampler = over.level((step_m / sample_m).log2().floor() as usize);
-        let mut rise = |(columns, rows): (f64, f64)| {
-            let ahead_m = sampler.bilinear_m((column + columns, row + rows));
-            let behind_m = sampler.bilinear_m((column - columns, row - rows));
+        let mut rise = |(columns, rows): (f64, f64), direction: DVec3| {
+            let mut at = |sign: f64| {
+                // Beyond the raster another may lie.
+                let beyond = || (vector + direction * (sign * step_m / EARTH_RADIUS_M)).normalize();
+                let here_m = sampler.bilinear_m((column + sign * columns, row + sign * rows));
+                here_m.or_else(|| terrain.overview_m(GeoPoint::from_vector(beyond()), step_m))
+            };
+            let (ahead_m, behind_m) = (at(1.0), at(-1.0));
             ahead_m.zip(behind_m).map_or(0.0, |(ahead_m, behind_m)| (ahead_m - behind_m) / (2.0 * step_m))
         };
-        (rise(along), rise(across))
+        (rise(along, ahead), rise(across, right))
     }
 }
 

@@ -1,5 +1,6 @@
 //! One terrain raster: its grid, a mipmap pyramid (Williams 1983) of packed tiles, and a cache of unpacked ones.
 
+use super::border::Border;
 use super::max_mipmap::MaxMipmap;
 use super::tile::{self, Blob, SAMPLES, SIDE, TileEntry};
 use crate::grid::Grid;
@@ -38,6 +39,7 @@ struct LevelIndex {
     width: usize,
     height: usize,
     tiles: Vec<TileEntry>,
+    border: Option<Border>,
 }
 
 impl LevelIndex {
@@ -97,7 +99,8 @@ impl TerrainRaster {
 
     /// The highest samples by blocks. The first call takes a pass over all samples.
     pub(super) fn maxima(&self) -> &MaxMipmap {
-        self.maxima.get_or_init(|| MaxMipmap::new(&self.grid, |number| self.unpacked(number)))
+        let border = self.levels[0].border.as_ref();
+        self.maxima.get_or_init(|| MaxMipmap::new(&self.grid, border, |number| self.unpacked(number)))
     }
 
     /// Whether [`Self::maxima`] was built.
@@ -128,6 +131,28 @@ impl TerrainRaster {
         (self.levels[level].tiles[number].length > 0).then(|| self.tile(level, number))
     }
 
+    /// How many levels there are.
+    pub(super) fn level_count(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Sets what lies around each level; before anybody asks for [`Self::maxima`].
+    pub(super) fn set_borders(&mut self, borders: Vec<Option<Border>>) {
+        for (level, border) in self.levels.iter_mut().zip(borders) {
+            level.border = border;
+        }
+    }
+
+    /// Empties the cache of unpacked tiles.
+    pub(super) fn forget_tiles(&self) {
+        self.lock().clear();
+    }
+
+    /// A sample just outside of a level by the rasters around it, metres; NaN where there is none.
+    pub(super) fn border_m(&self, level: usize, column: i64, row: i64) -> f32 {
+        self.levels[level].border.as_ref().map_or(f32::NAN, |border| border.height_m(column, row))
+    }
+
     fn lock(&self) -> MutexGuard<'_, TileCache> {
         // The map is valid whatever a panicking holder was doing.
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
@@ -149,7 +174,13 @@ impl TerrainRaster {
         samples
     }
 
-    /// Elevation at a place, metres, bilinear between the samples of a level (clamped to those there are).
+    /// [`Self::bilinear_m`] of an overview whose samples are not much finer than `resolution_m`.
+    pub(crate) fn overview_m(&self, place: GeoPoint, resolution_m: f64) -> Option<f64> {
+        let ratio = (resolution_m / self.sample_size_m).max(1.0);
+        self.bilinear_m(ratio.log2().round() as usize, place)
+    }
+
+    /// Elevation at a place, metres, bilinear between the samples of a level and those around it (clamped to those there are).
     /// Voids are left out of the mean while they have less than half of the weight.
     pub(crate) fn bilinear_m(&self, level: usize, place: GeoPoint) -> Option<f64> {
         let level = level.min(self.levels.len() - 1);
@@ -162,17 +193,21 @@ impl TerrainRaster {
         for (dc, dr, weight) in
             [(0, 0, (1.0 - s) * (1.0 - t)), (1, 0, s * (1.0 - t)), (0, 1, (1.0 - s) * t), (1, 1, s * t)]
         {
+            if weight == 0.0 {
+                continue;
+            }
             let (column, row) = (x0 as i64 + dc, y0 as i64 + dr);
-            if let Some(elevation_m) = self.sample_of_tile_m(level, column, row, &mut last) {
+            let inside = self.clamped(level, column, row);
+            let border_m = if inside == (column, row) { f32::NAN } else { self.border_m(level, column, row) };
+            let elevation_m = if border_m.is_finite() {
+                Some(f64::from(border_m))
+            } else {
+                // Where no raster lies, half a sample at the edge belongs to the edge sample.
+                self.sample_of_tile_m(level, inside.0, inside.1, &mut last)
+            };
+            if let Some(elevation_m) = elevation_m {
                 sum += weight * elevation_m;
                 total += weight;
-            } else if weight > 0.0 && self.is_outside(level, column, row) {
-                // Half a sample at the raster's edge belongs to the edge sample.
-                let (column, row) = self.clamped(level, column, row);
-                if let Some(elevation_m) = self.sample_of_tile_m(level, column, row, &mut last) {
-                    sum += weight * elevation_m;
-                    total += weight;
-                }
             }
         }
         (total >= 0.5).then(|| sum / total)
@@ -183,16 +218,16 @@ impl TerrainRaster {
         (column.clamp(0, index.width as i64 - 1), row.clamp(0, index.height as i64 - 1))
     }
 
-    fn is_outside(&self, level: usize, column: i64, row: i64) -> bool {
-        self.clamped(level, column, row) != (column, row)
-    }
-
     /// The sections to store for layer `number`.
     pub(super) fn to_sections(&self, number: usize) -> Vec<(String, Cow<'_, [u8]>)> {
         let mut sections = grid_sections::to_sections(&self.grid, &format!("{number}"));
         for (level, index) in self.levels.iter().enumerate() {
             sections
                 .push((format!("tiles{number}.{level}"), Cow::Borrowed(bytemuck::cast_slice(&index.tiles))));
+            if let Some(border) = &index.border {
+                let samples = Cow::Borrowed(bytemuck::cast_slice(border.samples()));
+                sections.push((format!("border{number}.{level}"), samples));
+            }
         }
         sections
             .push((format!("levels{number}"), Cow::Owned((self.levels.len() as u32).to_le_bytes().to_vec())));
@@ -224,7 +259,14 @@ impl TerrainRaster {
             if tiles.len() != width.div_ceil(SIDE) * height.div_ceil(SIDE) {
                 return Err(format!("has a wrong number of tiles in level {level}"));
             }
-            levels.push(LevelIndex { width, height, tiles });
+            let border = if sections.has(&format!("border{number}.{level}")) {
+                let samples = sections.numbers(&format!("border{number}.{level}"))?;
+                let border = Border::of_samples((width, height), samples);
+                Some(border.ok_or_else(|| format!("has a wrong number of samples around level {level}"))?)
+            } else {
+                None
+            };
+            levels.push(LevelIndex { width, height, tiles, border });
             (width, height) = (width.div_ceil(2), height.div_ceil(2));
         }
         if levels.is_empty() {
@@ -260,7 +302,7 @@ pub(crate) struct TerrainRasterBuilder {
 
 impl TerrainRasterBuilder {
     pub(crate) fn new(grid: Grid) -> Self {
-        let level = LevelIndex { width: grid.width as usize, height: 0, tiles: Vec::new() };
+        let level = LevelIndex { width: grid.width as usize, height: 0, tiles: Vec::new(), border: None };
         let sample_size_m = grid.pixel_size_m();
         let stays_in_file = u64::from(grid.width) * u64::from(grid.height) > MAX_SAMPLES_IN_MEMORY;
         let layer = TerrainRaster {
@@ -328,7 +370,7 @@ impl TerrainRasterBuilder {
                 Blob::File(..) => Vec::new(),
             };
             blob.append(&mut fresh);
-            layer.levels.push(LevelIndex { width, height, tiles });
+            layer.levels.push(LevelIndex { width, height, tiles, border: None });
         }
     }
 }

@@ -148,11 +148,19 @@ impl<'a> Ray<'a> {
         }
     }
 
-    /// The sample left of and above cell (column, row), clamped to those there are, metres; NaN for a void.
+    /// The sample left of and above cell (column, row), of those around the raster too, else clamped to those there are, metres;
+    /// NaN for a void.
     fn sample(&mut self, column: usize, row: usize) -> f32 {
         let grid = self.raster.grid();
+        let wanted = (column as i64 - 1, row as i64 - 1);
         let column = column.saturating_sub(1).min(grid.width as usize - 1);
         let row = row.saturating_sub(1).min(grid.height as usize - 1);
+        if (column as i64, row as i64) != wanted {
+            let border_m = self.raster.border_m(0, wanted.0, wanted.1);
+            if border_m.is_finite() {
+                return border_m;
+            }
+        }
         let (tile_column, tile_row) = (column / SIDE, row / SIDE);
         let number = tile_row * self.raster.tile_columns() + tile_column;
         let slot = &mut self.tiles[(tile_row & 1) * 2 + (tile_column & 1)];

@@ -35,14 +35,12 @@ impl<'a> Sampler<'a> {
         }
         let samples = f64::from(1u32 << self.level);
         let (x, y) = (column / samples - 0.5, row / samples - 0.5);
-        // Half a sample at the raster's edge belongs to the edge sample.
-        let split = |at: f64, count: usize| {
+        let split = |at: f64| {
             let first = at.floor();
-            let clamped = |sample: f64| sample.clamp(0.0, (count - 1) as f64) as usize;
-            (clamped(first), clamped(first + 1.0), at - first)
+            (first as i64, first as i64 + 1, at - first)
         };
-        let (left, right, s) = split(x, self.size.0);
-        let (above, below, t) = split(y, self.size.1);
+        let (left, right, s) = split(x);
+        let (above, below, t) = split(y);
         let four = [
             (left, above, (1.0 - s) * (1.0 - t)),
             (right, above, s * (1.0 - t)),
@@ -61,7 +59,16 @@ impl<'a> Sampler<'a> {
     }
 
     /// NaN for a void.
-    fn sample(&mut self, column: usize, row: usize) -> f32 {
+    fn sample(&mut self, column: i64, row: i64) -> f32 {
+        let inside = |at: i64, count: usize| at.clamp(0, count as i64 - 1) as usize;
+        let (column, row) = match (inside(column, self.size.0), inside(row, self.size.1)) {
+            (c, r) if (c as i64, r as i64) == (column, row) => (c, r),
+            // Where no raster lies, half a sample at the edge belongs to the edge sample.
+            (c, r) => match self.raster.border_m(self.level, column, row) {
+                border_m if border_m.is_finite() => return border_m,
+                _ => (c, r),
+            },
+        };
         let (tile_column, tile_row) = (column / SIDE, row / SIDE);
         let number = tile_row * self.size.0.div_ceil(SIDE) + tile_column;
         let slot = &mut self.tiles[(tile_row & 1) * 2 + (tile_column & 1)];

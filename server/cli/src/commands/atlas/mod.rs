@@ -173,7 +173,7 @@ impl Atlas {
         Ok(Found {
             scene: Arc::clone(view.scene()),
             unit: map.unit(),
-            description: brightness_shows(map.measure, map.light, &map.response),
+            description: brightness_shows(map.measure, map.light, map.cloud_base_m, &map.response),
             colour_range: map.colour_range(),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
             places: map.into_places(),

@@ -112,7 +112,8 @@ async fn brightness_is_that_of_the_skies() {
         ("tiles/brightness/30/0/0.png", 404),
         ("tiles/brightness/tilejson.json?scenario=s-0123456789abcdef0123", 404),
         ("layers/brightness.tif?turbidity=5", 422),
-        ("layers/brightness.tif?clouds=none", 400),
+        ("layers/brightness.tif?clouds=1500", 422),
+        ("layers/brightness.tif?cloud_cover=0.5", 400),
         ("layers/elevation.tif?scenario=s-0123456789abcdef0123", 400),
         ("layers/influence.tif", 404),
     ] {

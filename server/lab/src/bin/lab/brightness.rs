@@ -36,6 +36,9 @@ pub(crate) struct Arguments {
     /// With the natural sky of a time, such as 2026-08-24T23:00:00Z, or of none: dark [default: artificial light alone]
     #[arg(long)]
     natural: Option<String>,
+    /// Under a closed layer of cloud at this altitude, metres [default: a clear sky]
+    #[arg(long)]
+    clouds: Option<u32>,
     /// How lights are summed: as the program chooses, by the dual tree, or by convolution where that can be.
     #[arg(long, default_value = "auto", value_parser = ["auto", "tree", "convolution"])]
     way: String,
@@ -84,6 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         scenario: None,
         turbidity,
         scattering: Scattering::Multiple,
+        cloud_base_m: arguments.clouds,
         lamp: LampPreset::Mixed.lamp(),
         measure: arguments.measure,
         light,
@@ -126,8 +130,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         let place = map.open_scene().lattice_place(lattice, column, row);
         let time = if let MapLight::Total(time) = light { time } else { None };
         let open = open_sky(id.clone(), place, turbidity);
-        let sky = SkyRequest { terrain_hides: request.terrain_hides, time, ..open };
-        let Ok(sky) = observatory.sky_blocking(&sky) else { continue };
+        let cloud_base_m = arguments.clouds;
+        let sky = SkyRequest { terrain_hides: request.terrain_hides, time, cloud_base_m, ..open };
+        // Ground at the clouds has no value in either.
+        let sky = match observatory.sky_blocking(&sky) {
+            Ok(sky) if found.is_finite() => sky,
+            _ => continue,
+        };
         let wanted = of_sky(arguments.measure, light, &sky);
         // A ten-thousandth of the natural sky.
         if wanted < 1.7e-8 {

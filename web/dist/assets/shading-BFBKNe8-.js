@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-Clx6cZSa.js";

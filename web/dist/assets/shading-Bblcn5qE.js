@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-DoB-Wg1N.js";

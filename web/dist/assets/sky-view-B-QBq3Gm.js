@@ -1,1 +1,0 @@
-export{t as SkyView}from"./sky-view-CSdBujnI.js";

@@ -1,0 +1,1 @@
+export{t as SkyView}from"./sky-view-CPX_LrP4.js";
