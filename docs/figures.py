@@ -367,28 +367,32 @@ def slopes():
 
 
 def ground():
-    """What level ground has of the demo's lamps by way of the sky, in units of half a Moon."""
+    """What level ground has of the demo's lamps by way of a clear sky and of clouds, in units of half a Moon."""
     import time
 
     from matplotlib import colors, pyplot
 
     half_moon_lx, altitude_deg = half_moon()
-    while (file := requests.get(f"{API}/scenes/demo/layers/brightness.tif", params={"measure": "horizontal"}, timeout=300)).status_code in (202, 503):
-        time.sleep(2)
-    with rasterio.open(io.BytesIO(file.content)) as raster:
-        moons, box = raster.read(1) / half_moon_lx, raster.bounds
-    figure, axis = pyplot.subplots(figsize=(9, 6.2), layout="constrained")
-    extent = (box.left, box.right, box.bottom, box.top)
-    image = axis.imshow(moons, extent=extent, aspect=1.43, cmap="magma", norm=colors.LogNorm(1e-4, 2))
-    lines = axis.contour(moons, levels=[1e-3, 1e-2, 1e-1, 1], extent=extent, origin="upper", colors="white", linewidths=0.7)
-    axis.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=8)
-    for place in ask("GET", f"{API}/scenes/demo/places").json()[:9]:
-        axis.annotate(place["name"], (place["longitude_deg"], place["latitude_deg"]), color="white", fontsize=8,
-                      xytext=(5, 5), textcoords="offset points")
-    axis.set(xlabel="longitude, degrees", ylabel="latitude, degrees",
-             title=f"Level ground in the sky's artificial light, by that of a half Moon {altitude_deg:.0f}° up ({1e3 * half_moon_lx:.0f} mlx)")
-    figure.colorbar(image, ax=axis, label="half Moons", shrink=0.8)
-    figure.savefig(f"{FOLDER}/ground.png", dpi=100)
+    figure, axes = pyplot.subplots(1, 2, figsize=(13.5, 5.2), layout="constrained", sharey=True)
+    for axis, clouds, title in zip(axes, ["none", "1500"], ["clear", "under closed clouds at 1 500 m (grey: ground at them)"]):
+        query = {"measure": "horizontal", "clouds": clouds}
+        while (file := requests.get(f"{API}/scenes/demo/layers/brightness.tif", params=query, timeout=300)).status_code in (202, 503):
+            time.sleep(2)
+        with rasterio.open(io.BytesIO(file.content)) as raster:
+            moons, box = raster.read(1) / half_moon_lx, raster.bounds
+        extent = (box.left, box.right, box.bottom, box.top)
+        axis.set_facecolor("#777777")
+        image = axis.imshow(moons, extent=extent, aspect=1.43, cmap="magma", norm=colors.LogNorm(1e-4, 10))
+        lines = axis.contour(moons, levels=[1e-2, 1e-1, 1], extent=extent, origin="upper", colors="white", linewidths=0.6)
+        axis.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=7)
+        for place in ask("GET", f"{API}/scenes/demo/places").json()[:9]:
+            axis.annotate(place["name"], (place["longitude_deg"], place["latitude_deg"]), color="white", fontsize=8,
+                          xytext=(5, 5), textcoords="offset points")
+        axis.set(xlabel="longitude, degrees", title=title)
+    axes[0].set_ylabel("latitude, degrees")
+    figure.suptitle(f"Level ground in the sky's artificial light, by that of a half Moon {altitude_deg:.0f}° up ({1e3 * half_moon_lx:.0f} mlx)")
+    figure.colorbar(image, ax=axes, label="half Moons", shrink=0.8)
+    figure.savefig(f"{FOLDER}/ground.png", dpi=90)
 
 
 def main():
