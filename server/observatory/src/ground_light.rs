@@ -66,7 +66,7 @@ pub fn lit_ground(
     let eye_altitude_m = sky.context.altitude_m;
     let lines = scene.visible_ground(request.place, eye_altitude_m, &wanted.sight);
     let lamps = LampLight::of_scene(scene, request)?;
-    let light = SkyLight::new(sky, wanted.in_total, wanted.albedo);
+    let light = SkyLight::new(sky, wanted.in_total);
     let eye = Eye {
         frame: LocalFrame::at(request.place),
         altitude_m: eye_altitude_m,

@@ -23,12 +23,11 @@ pub(crate) struct SkyLight {
     horizon: Vec<SeenLight>,
     /// In every direction, without ground before it.
     seen: SeenSky,
-    albedo: f64,
 }
 
 impl SkyLight {
-    /// Of artificial light, or `in_total` of the natural sky too, on ground that reflects a share of it.
-    pub(crate) fn new(sky: &RenderedSky, in_total: bool, albedo: f64) -> Self {
+    /// Of artificial light, or `in_total` of the natural sky too.
+    pub(crate) fn new(sky: &RenderedSky, in_total: bool) -> Self {
         let total = in_total.then(|| sky.seen_in_total());
         let seen: &SeenSky = total.as_ref().unwrap_or(&sky.seen);
         let night = sky.night.as_ref().filter(|_| total.is_some());
@@ -64,7 +63,7 @@ impl SkyLight {
             (mean_around(artificial, RIDGE_COLUMNS), mean_around(&natural, natural_columns));
         let horizon = artificial.iter().zip(&natural).map(|(lamps, natural)| plus(lamps, natural)).collect();
         let level = [0.0; 4];
-        let mut light = Self { slopes, discs, level, horizon, seen: filled, albedo };
+        let mut light = Self { slopes, discs, level, horizon, seen: filled };
         light.level = light.illuminance(Slope::default(), DVec3::Z);
         light
     }
@@ -79,12 +78,12 @@ impl SkyLight {
         light
     }
 
-    /// Luminance of ground of an albedo that the sky lights, and the ground before it.
+    /// Luminance of ground of an albedo that the sky lights, and ground of the same before it.
     pub(crate) fn sent_by(&self, ground: &SeenGround, albedo: f64) -> SeenLight {
         let normal = ground.slope.normal();
         let from_sky = self.illuminance(ground.slope, normal);
         // A slope sees as much of level ground as it misses of the sky.
-        let share = 0.5 * (1.0 - normal.z) * self.albedo;
+        let share = 0.5 * (1.0 - normal.z) * albedo;
         std::array::from_fn(|i| albedo / PI * (from_sky[i] + share * self.level[i]))
     }
 

@@ -19,7 +19,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use skyglow_physics::{GeoPoint, SeenSky, SkyPart, panorama::azimuth_rad};
 use skyglow_scene::{Observers, PlaceLattice, PlaceWindow, Scene};
+use skyglow_tables::clouds::ceiling_m;
 
+/// How far an eye is put below the highest altitude that packs reach, metres: rounding must not put it above.
+const BELOW_M: f64 = 0.01;
 /// Panoramas at most, about, of a map known as a whole.
 const MAX_PANORAMAS: usize = 1_000;
 
@@ -83,7 +86,9 @@ impl SlopeLight {
     ) -> Result<Self, ObservatoryError> {
         let stride = coarse_places::stride(scene, lattice, MAX_PANORAMAS);
         let skies = CoarsePlaces::new(lattice, window, stride, |column, row| {
-            match observatory.eye_at(scene, request, lattice, [column, row]).is_finite() {
+            // Under clouds a place above them has the sky of one just below.
+            let is_known = observatory.eye_at(scene, request, lattice, [column, row]).is_finite();
+            match is_known || request.cloud_base_m.is_some() {
                 true => sky_below(observatory, scene, request, scene.lattice_place(lattice, column, row)),
                 false => Ok(None),
             }
@@ -166,7 +171,13 @@ fn sky_below(
         time: None,
     };
     let hides_lights = observatory.hides_lights_of(&sky);
-    let surroundings = Surroundings::under_open_sky(scene.ground(place), scene, &sky, hides_lights);
+    let below_clouds_m = request.cloud_base_m.map_or(f64::INFINITY, |base_m| ceiling_m(f64::from(base_m)));
+    let highest_m = below_clouds_m - EYE_HEIGHT_M - BELOW_M;
+    let ground = match scene.ground(place) {
+        ground if ground.altitude_m() > highest_m => skyglow_scene::Ground::Here { elevation_m: highest_m },
+        ground => ground,
+    };
+    let surroundings = Surroundings::under_open_sky(ground, scene, &sky, hides_lights);
     let (to_render, _) = surroundings.render_requests(&sky, &observatory.engine.basis_chooser())?;
     let rendered = observatory.engine.render_each_blocking(&to_render)?;
     let lights = surroundings.lights.iter().map(|(fixture, _)| fixture.light(&request.lamp));

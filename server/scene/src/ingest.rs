@@ -15,6 +15,7 @@ mod no_data;
 mod noise;
 mod options;
 mod overlap;
+mod overlap_rule;
 mod places;
 mod radiance;
 mod radiance_band;
@@ -28,7 +29,7 @@ mod unpack;
 
 pub use land_classes::LandClasses;
 pub use options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy, SkylineTime};
-pub use overlap::OverlapRule;
+pub use overlap_rule::OverlapRule;
 pub use units::RadianceUnit;
 
 use self::mosaic::Mosaic;

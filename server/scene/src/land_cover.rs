@@ -9,10 +9,9 @@ use std::fs::File;
 /// Shares are kept in so many parts, since tiles of terrain keep tenths.
 pub(crate) const PARTS: f64 = 1_000.0;
 
-/// Albedo of snow on open ground, old (Warren 1982), and of a forest that stands in it, 0.4 to 0.7 µm (Betts and Ball 1997: 0.11 to 0.36 of
-/// conifers and of bare aspen, over all wavelengths).
+/// Albedo of snow on open ground, old (Warren 1982), and of a forest that stands in it (Betts and Ball 1997: conifers 0.13, bare aspen 0.21).
 pub const SNOW_ALBEDO: f64 = 0.75;
-const SNOWY_FOREST_ALBEDO: f64 = 0.25;
+const SNOWY_FOREST_ALBEDO: f64 = 0.15;
 
 /// The ground at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,7 +25,7 @@ const OUTSIDE: &str = "outside";
 /// The hash of the other sections, where there are such.
 const CHECK: &str = "check";
 /// The most sections of a file.
-const MAX_SECTIONS: usize = 1 << 16;
+const MAX_SECTIONS: usize = 1 << 18;
 
 /// What is wrong with the bytes of a file.
 pub(crate) type Flaw = String;
@@ -33,6 +33,13 @@ pub(crate) type Flaw = String;
 /// Packs sections into the bytes of a file.
 pub(crate) fn pack(sections: &[(String, Cow<'_, [u8]>)]) -> Result<Vec<u8>, std::io::Error> {
     let has_outside = sections.iter().any(|(name, _)| name.starts_with(OUTSIDE));
+    if sections.len() >= MAX_SECTIONS {
+        let reason = format!(
+            "{} parts are more than a file holds: join the terrain's files first (gdalbuildvrt, gdal_translate)",
+            sections.len()
+        );
+        return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, reason));
+    }
     let mut header = Vec::from(MAGIC);
     header.extend((sections.len() as u32 + u32::from(has_outside)).to_le_bytes());
     let mut entry = |name: &str, raw_bytes: usize, stored_bytes: usize| {

@@ -4,6 +4,7 @@ mod border;
 mod cell;
 mod elevation;
 mod horizon;
+mod joining;
 mod max_mipmap;
 mod path;
 mod raster;

@@ -141,7 +141,7 @@ impl BrightnessAssumptions {
         let is_level = request.measure == MapMeasure::Slope && !(request.terrain_hides && scene.terrain);
         let level = is_level.then(|| "without terrain the ground is level under an open sky".to_owned());
         let clouds = request.cloud_base_m.map(|base_m| {
-            format!("under clouds at {base_m} m: ground higher than 100 m below them has no value, and no natural light is in it")
+            format!("under clouds at {base_m} m: ground higher than 100 m below them has no value, natural light is not in it, and beside lights less than 100 m below them it can be 15 % off")
         });
         Self {
             scene: scene.into(),

@@ -29,7 +29,13 @@ pub fn brightness(
     let time = read_time(&mut reader, &p::TIME, facts, turbidity);
     if sky == Sky::Total && conditions.as_ref().is_some_and(Conditions::is_overcast) {
         let message = Some("means nothing under `clouds`: maps under them show artificial light".to_owned());
-        reader.fail(&p::SKY, ValidationCode::Conflict, message, Some("artificial".to_owned()));
+        let asking = if reader.text(&p::SKY).is_some() { &p::SKY } else { &p::TIME };
+        reader.fail(
+            asking,
+            ValidationCode::Conflict,
+            message,
+            Some("artificial light, without a time".to_owned()),
+        );
     }
     reader.finish()?;
     let (Some(conditions), Some(time)) = (conditions, time) else {

@@ -21,6 +21,8 @@ use std::{
 const ALTITUDE_STEP_M: f64 = 250.0;
 /// Smallest step of the heights of lights over places, metres: a fifth of the nearest distance.
 const OFFSET_STEP_M: f64 = 50.0;
+/// Both under clouds, where what counts of a light falls off over the last 100 m below the base.
+const STEPS_UNDER_CLOUDS_M: [f64; 2] = [50.0, 25.0];
 /// Most heights of lights over places: each has a column of a grid.
 const MAX_OFFSETS: usize = AZIMUTH_COUNT;
 
@@ -34,15 +36,17 @@ pub struct KernelRange {
 }
 
 impl KernelRange {
-    fn altitudes(&self) -> UniformAxis {
-        let [lowest_m, highest_m] = self.observers_m;
-        UniformAxis::between(lowest_m, highest_m, ALTITUDE_STEP_M, usize::MAX)
-    }
-
-    fn offsets(&self) -> UniformAxis {
-        let first_m = self.lights_m[0] - self.observers_m[1];
-        let last_m = self.lights_m[1] - self.observers_m[0];
-        UniformAxis::between(first_m, last_m, OFFSET_STEP_M, MAX_OFFSETS - 1)
+    /// Altitudes of places and heights of lights over them; lights above clouds do not count.
+    fn axes(&self, cloud_m: f64) -> (UniformAxis, UniformAxis) {
+        let [altitude_step_m, offset_step_m] =
+            if cloud_m.is_finite() { STEPS_UNDER_CLOUDS_M } else { [ALTITUDE_STEP_M, OFFSET_STEP_M] };
+        let ([lowest_m, highest_m], [low_m, high_m]) = (self.observers_m, self.lights_m);
+        let first_m = low_m.min(cloud_m) - highest_m;
+        let last_m = high_m.min(cloud_m) - lowest_m;
+        (
+            UniformAxis::between(lowest_m, highest_m, altitude_step_m, usize::MAX),
+            UniformAxis::between(first_m, last_m, offset_step_m, MAX_OFFSETS - 1),
+        )
     }
 }
 
@@ -70,12 +74,12 @@ pub fn place_kernel(
     range: &KernelRange,
     skylines: bool,
 ) -> Result<PlaceKernel, ObservatoryError> {
-    let (altitudes, offsets) = (range.altitudes(), range.offsets());
+    let cloud_m = request.cloud_base_m.map_or(f64::INFINITY, f64::from);
+    let (altitudes, offsets) = range.axes(cloud_m);
     let blocking_count = if skylines { BLOCKING_COUNT } else { 1 };
     let of_altitude = |altitude: usize| {
         let observer_altitude_m = altitudes.node_m(altitude).min(range.observers_m[1]);
         let mut polar = lights_at_every_node(observer_altitude_m, offsets, blocking_count);
-        let cloud_m = request.cloud_base_m.map_or(f64::INFINITY, f64::from);
         // A light that no table knows under the clouds is as the highest that one knows, by the share of it that counts.
         let share = |cell: &PolarCell| f64::from(LightShare::of(cell, observer_altitude_m, cloud_m).share);
         let shares: Vec<f64> = polar.cells.iter().map(share).collect();

@@ -40,12 +40,23 @@ pub(super) fn product(file_name: &str) -> Option<Product> {
     None
 }
 
-/// One span for all files, where each says when.
+/// One span for all files, where each says when: from the first of their days to the last.
 pub(super) fn span(dates: &[Option<String>]) -> Option<String> {
-    let mut all: Vec<&String> = dates.iter().map(Option::as_ref).collect::<Option<_>>()?;
-    all.sort();
-    let (first, last) = (all.first()?, all.last()?);
-    Some(if first == last { (*first).clone() } else { format!("{first}/{last}") })
+    let all: Vec<&String> = dates.iter().map(Option::as_ref).collect::<Option<_>>()?;
+    let first = all.iter().map(|date| date.split('/').next().unwrap_or(date)).min()?;
+    let last =
+        all.iter().map(|date| date.rsplit('/').next().unwrap_or(date)).max_by_key(|date| last_day(date))?;
+    Some(if first == last { first.to_owned() } else { format!("{first}/{last}") })
+}
+
+/// The last day of a date or span, to compare with others: every month counts as one of 31 days.
+pub(super) fn last_day(date: &str) -> String {
+    let end = date.rsplit('/').next().unwrap_or(date);
+    match end.len() {
+        4 => format!("{end}-12-31"),
+        7 => format!("{end}-31"),
+        _ => end.to_owned(),
+    }
 }
 
 fn is_year(text: &str) -> bool {

@@ -48,7 +48,7 @@ impl LandClasses {
     pub(super) fn is_void(self, code: i64) -> bool {
         match self {
             Self::WorldCover | Self::Cci => code == 0,
-            Self::Corine => matches!(code, 0 | 48 | 255 | 990 | 995 | 999),
+            Self::Corine => matches!(code, 0 | 48 | 128 | 255 | 990 | 995 | 999),
             Self::Igbp => matches!(code, 0 | 255),
         }
     }
@@ -116,7 +116,8 @@ pub(super) enum Cover {
 }
 
 impl Cover {
-    /// Albedo of visible light, 0.4 to 0.7 µm: table 2 of BATS; what is built is put between roads and roofs.
+    /// Albedo of visible light, 0.4 to 0.7 µm, after table 2 of BATS, rounded where several of its classes are one here; what is built is
+    /// put between roads and roofs.
     pub(super) const fn albedo(self) -> f64 {
         match self {
             Self::EvergreenForest => 0.05,
@@ -151,7 +152,7 @@ mod tests {
         assert_eq!(known(LandClasses::Igbp), (1..=17).collect::<Vec<_>>());
         let corine = known(LandClasses::Corine);
         assert_eq!((&corine[..44], corine.len()), (&(1..=44).collect::<Vec<_>>()[..], 88));
-        assert_eq!(known(LandClasses::Cci).len(), 38);
+        assert_eq!(known(LandClasses::Cci).len(), 37);
         // The raster's codes are the classes in their order.
         for (grid, class) in corine[..44].iter().zip(&corine[44..]) {
             assert_eq!(LandClasses::Corine.cover(*grid), LandClasses::Corine.cover(*class), "{grid} {class}");

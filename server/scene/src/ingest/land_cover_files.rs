@@ -59,8 +59,8 @@ fn read_file(path: &Path, options: &IngestOptions) -> Result<([TerrainRaster; 3]
     }
     options.check_size(dataset.raster_size()).map_err(refuse)?;
     let band = dataset.rasterband(1).map_err(|error| refuse(gdal_reason(error)))?;
-    let whole = [GdalDataType::UInt8, GdalDataType::UInt16, GdalDataType::Int16];
-    if !whole.contains(&band.band_type()) {
+    let wide = [GdalDataType::Float32, GdalDataType::Float64, GdalDataType::UInt32, GdalDataType::Int32];
+    if wide.contains(&band.band_type()) {
         return Err(refuse(format!("its numbers are {}, not classes of 8 or 16 bits", band.band_type())));
     }
     let crs = dataset.spatial_ref().map_err(|_| {
@@ -104,13 +104,13 @@ fn read_file(path: &Path, options: &IngestOptions) -> Result<([TerrainRaster; 3]
             let line: Vec<f32> = means.iter().map(|mean| mean[field]).collect();
             builder.push_row(&line).map_err(SceneError::io(path))?;
         }
-    }
-    if let Some(code) = unknown {
-        return Err(refuse(format!(
-            "it holds the class {code}, which {} has not; --land-cover-classes says whose classes they are: {}",
-            classes.title(),
-            LandClasses::NAMES
-        )));
+        if let Some(code) = unknown {
+            return Err(refuse(format!(
+                "it holds the class {code}, which {} has not; --land-cover-classes says whose classes they are: {}",
+                classes.title(),
+                LandClasses::NAMES
+            )));
+        }
     }
     let [albedo, water, forest] = builders.map(|builder| builder.finish().map_err(SceneError::io(path)));
     let said = format!("classes of {}, means over {:.0} m", classes.title(), by * sample_m);

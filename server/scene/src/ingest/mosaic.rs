@@ -1,7 +1,8 @@
 //! Radiance rasters on one grid, side by side or over each other.
 
 use super::gdal_open::gdal_reason;
-use super::overlap::{Merge, OverlapRule};
+use super::overlap::Merge;
+use super::overlap_rule::OverlapRule;
 use super::radiance_source::{PixelKind, RadianceSource, Strip};
 use crate::error::SceneError;
 use gdal::spatial_ref::SpatialRef;
@@ -101,7 +102,7 @@ impl Mosaic {
 
     /// Reads rows of the whole grid; `part` is scratch.
     ///
-    /// * `fill_nw_cm2_sr`: a value that is no measurement, beside those that are known.
+    /// * `reading`: what counts where several rasters have measured, and values that are no measurement, beside those that are known.
     ///
     /// # Errors
     /// As [`RadianceSource::read_rows`].
@@ -109,14 +110,14 @@ impl Mosaic {
         &self,
         first_row: usize,
         rows: usize,
-        (rule, fill_nw_cm2_sr): (OverlapRule, Option<f64>),
+        (rule, codes): (OverlapRule, &[f64]),
         whole: &mut Strip,
         part: &mut Strip,
     ) -> Result<(), SceneError> {
         let width = self.size.0;
         if let [only] = self.sources.as_slice() {
             only.source.read_rows(first_row, rows, whole)?;
-            whole.drop_fill(fill_nw_cm2_sr);
+            whole.drop_codes(codes);
             return Ok(());
         }
         let mut merge = Merge::new(rule, width * rows);
@@ -133,7 +134,7 @@ impl Mosaic {
             part.is_whole = whole.is_whole;
             source.read_rows(from - own.start, to - from, part)?;
             whole.is_whole = part.is_whole;
-            part.drop_fill(fill_nw_cm2_sr);
+            part.drop_codes(codes);
             let length = columns.len();
             for row in from..to {
                 let (there, here) = ((row - from) * length, (row - first_row) * width + columns.start);

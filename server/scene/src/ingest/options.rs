@@ -2,7 +2,7 @@
 
 use super::date::{FORMS, is_date};
 use super::land_classes::LandClasses;
-use super::overlap::OverlapRule;
+use super::overlap_rule::OverlapRule;
 use super::units::{RadianceUnit, metres_in};
 use crate::error::SceneError;
 use crate::scene_id::SceneId;

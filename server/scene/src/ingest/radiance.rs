@@ -4,9 +4,9 @@ use super::georeference;
 use super::mosaic::Mosaic;
 use super::noise::Negatives;
 use super::options::{IngestOptions, IngestProgress, IngestStage, NoisePolicy};
-use super::overlap::OverlapRule;
+use super::overlap_rule::OverlapRule;
 use super::radiance_source::{PixelKind, Strip};
-use super::statistics::PixelStatistics;
+use super::statistics::{Lowest, PixelStatistics};
 use crate::error::SceneError;
 use crate::grid::Grid;
 use crate::lit_pixels::LitPixels;
@@ -47,18 +47,21 @@ pub(super) fn read(
     let refuse = |reason: String| SceneError::Refused { path: first.path.clone(), reason };
     let grid = georeference::grid(&mosaic.geotransform, &mosaic.crs, mosaic.size).map_err(refuse)?;
     check_memory(mosaic, &grid, options).map_err(refuse)?;
-    // A code of missing data is found among numbers as the files have them, before they are mixed.
-    let mixes =
-        matches!(options.overlap, OverlapRule::Mean | OverlapRule::Max) && mosaic.sources().nth(1).is_some();
-    let as_read = if mixes { OverlapRule::First } else { options.overlap };
-    let mut scan = scan(mosaic, &grid, options, (as_read, None), progress)?;
-    let code = scan.statistics.repeated_minimum();
-    if mixes || code.is_some() {
-        scan = self::scan(mosaic, &grid, options, (options.overlap, code), progress)?;
-        if let Some(code) = code {
-            scan.statistics.found_fill(code);
-        }
+    let rule = options.overlap;
+    let mixes = matches!(rule, OverlapRule::Mean | OverlapRule::Max) && mosaic.sources().nth(1).is_some();
+    // Codes of missing data are found among numbers as the files have them, before they are mixed.
+    let mut codes = if mixes { codes_of_sources(mosaic)? } else { Vec::new() };
+    let has_noise = rule == OverlapRule::Max && mixes && {
+        let first = self::scan(mosaic, &grid, options, (OverlapRule::First, &codes), progress)?;
+        first.negatives.are_noise(first.statistics.measured())
+    };
+    let mut scan = scan(mosaic, &grid, options, (rule, &codes), progress)?;
+    if let Some(code) = scan.statistics.repeated_minimum() {
+        codes.push(code);
+        scan = self::scan(mosaic, &grid, options, (rule, &codes), progress)?;
     }
+    codes.iter().for_each(|code| scan.statistics.found_fill(*code));
+    scan.statistics.noise_in_maximum = has_noise;
     let Scan { mask, mut pixels, negatives, statistics } = scan;
     statistics.check(mosaic, &grid, options).map_err(refuse)?;
     pixels.sort();
@@ -140,7 +143,7 @@ fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<LightCount, Sce
         (1..=LEVELS).map(|level| vec![false; (width >> level) + 1]).collect();
     for first_row in (0..height).step_by(step) {
         let rows = step.min(height - first_row);
-        mosaic.read_rows(first_row, rows, (options.overlap, None), &mut strip, &mut part)?;
+        mosaic.read_rows(first_row, rows, (options.overlap, &[]), &mut strip, &mut part)?;
         for offset in 0..rows {
             let begins = |level: &usize| (first_row + offset).is_multiple_of(2 << level);
             (0..lit_blocks.len()).take_while(begins).for_each(|level| lit_blocks[level].fill(false));
@@ -164,14 +167,33 @@ fn count_lit(mosaic: &Mosaic, options: &IngestOptions) -> Result<LightCount, Sce
     Ok(count)
 }
 
+/// The values of each raster that are codes of missing data, though nobody says so.
+fn codes_of_sources(mosaic: &Mosaic) -> Result<Vec<f64>, SceneError> {
+    let mut codes = Vec::new();
+    let mut strip = Strip::default();
+    for source in mosaic.sources() {
+        let (width, height) = source.dataset.raster_size();
+        let step = (STRIP_VALUES / width.max(1)).clamp(1, height.clamp(1, 512));
+        let mut lowest = Lowest::default();
+        for first_row in (0..height).step_by(step) {
+            source.read_rows(first_row, step.min(height - first_row), &mut strip)?;
+            let measured =
+                strip.kinds.iter().zip(&strip.radiance).filter(|(kind, _)| **kind == PixelKind::Measured);
+            measured.for_each(|(_, value)| lowest.add(*value));
+        }
+        codes.extend(lowest.code().filter(|code| !codes.contains(code)));
+    }
+    Ok(codes)
+}
+
 /// Reads every pixel once.
 ///
-/// * `reading`: which of several measurements counts, and a value that is no data, beside those that are known.
+/// * `reading`: which of several measurements counts, and values that are no data, beside those that are known.
 fn scan(
     mosaic: &Mosaic,
     grid: &Grid,
     options: &IngestOptions,
-    reading: (OverlapRule, Option<f64>),
+    reading: (OverlapRule, &[f64]),
     progress: &mut dyn FnMut(IngestProgress),
 ) -> Result<Scan, SceneError> {
     let (width, height) = mosaic.size;

@@ -256,7 +256,7 @@ pub(super) struct Strip {
     pub(super) kinds: Vec<PixelKind>,
     /// Whether all measurements so far were whole numbers as stored.
     pub(super) is_whole: bool,
-    /// Measurements of pixels that another raster had measured before.
+    /// Pixels that more than one raster has measured.
     pub(super) shared: u64,
     pub(super) mask: Vec<u8>,
     pub(super) layer: Vec<f64>,
@@ -269,11 +269,13 @@ impl Strip {
         self.kinds.resize(count, PixelKind::Outside);
     }
 
-    /// Measurements of a value, nW cm⁻² sr⁻¹, are none.
-    pub(super) fn drop_fill(&mut self, fill_nw_cm2_sr: Option<f64>) {
-        let Some(fill) = fill_nw_cm2_sr else { return };
-        for (kind, &radiance) in self.kinds.iter_mut().zip(&self.radiance) {
-            if *kind == PixelKind::Measured && radiance == fill {
+    /// Measurements of some values, nW cm⁻² sr⁻¹, are none.
+    pub(super) fn drop_codes(&mut self, codes: &[f64]) {
+        if codes.is_empty() {
+            return;
+        }
+        for (kind, radiance) in self.kinds.iter_mut().zip(&self.radiance) {
+            if *kind == PixelKind::Measured && codes.contains(radiance) {
                 *kind = PixelKind::Fill;
             }
         }

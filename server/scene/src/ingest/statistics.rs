@@ -2,7 +2,7 @@
 
 use super::mosaic::Mosaic;
 use super::options::IngestOptions;
-use super::overlap::OverlapRule;
+use super::overlap_rule::OverlapRule;
 use super::radiance_source::PixelKind;
 use super::tally::Tally;
 use super::units::RadianceUnit;
@@ -69,9 +69,46 @@ pub(super) struct PixelStatistics {
     fills: Vec<f64>,
     /// Whether all measurements are whole numbers as stored.
     pub(super) all_whole: bool,
-    /// Measurements of pixels that another raster had measured before, and what counts then.
+    /// Pixels that more than one raster has measured, and what counts then.
     pub(super) shared: u64,
+    /// Whether the rasters whose largest measurement counts hold noise.
+    pub(super) noise_in_maximum: bool,
     overlap: OverlapRule,
+}
+
+/// The lowest of some measurements, and how many are exactly as low.
+pub(super) struct Lowest {
+    minimum: f64,
+    maximum: f64,
+    at_minimum: u64,
+    measured: u64,
+}
+
+impl Default for Lowest {
+    fn default() -> Self {
+        Self { minimum: f64::INFINITY, maximum: f64::NEG_INFINITY, at_minimum: 0, measured: 0 }
+    }
+}
+
+impl Lowest {
+    /// Counts one.
+    pub(super) fn add(&mut self, value: f64) {
+        self.measured += 1;
+        self.maximum = self.maximum.max(value);
+        if value < self.minimum {
+            (self.minimum, self.at_minimum) = (value, 0);
+        }
+        self.at_minimum += u64::from(value == self.minimum);
+    }
+
+    /// The lowest where it is negative and on so many pixels that it is a code and no measurement.
+    pub(super) fn code(&self) -> Option<f64> {
+        let is_code = self.minimum < 0.0
+            && self.minimum < self.maximum
+            && self.at_minimum >= MIN_REPEATED
+            && self.at_minimum as f64 >= MIN_REPEATED_SHARE * self.measured as f64;
+        is_code.then_some(self.minimum)
+    }
 }
 
 impl PixelStatistics {
@@ -159,12 +196,13 @@ impl PixelStatistics {
 
     /// The smallest value where it is negative and on so many pixels that it is a code and no measurement.
     pub(super) fn repeated_minimum(&self) -> Option<f64> {
-        let is_code = self.minimum < 0.0
-            && self.lit.count > 0
-            && self.minimum < self.maximum
-            && self.at_minimum >= MIN_REPEATED
-            && self.at_minimum as f64 >= MIN_REPEATED_SHARE * self.measured() as f64;
-        is_code.then_some(self.minimum)
+        let lowest = Lowest {
+            minimum: self.minimum,
+            maximum: self.maximum,
+            at_minimum: self.at_minimum,
+            measured: self.measured(),
+        };
+        lowest.code().filter(|_| self.lit.count > 0)
     }
 
     /// Refuses rasters that cannot be meant.
@@ -310,8 +348,14 @@ impl PixelStatistics {
                 OverlapRule::Max => "largest counts (--overlap)",
                 OverlapRule::Newest => "newest counts (--overlap)",
             };
-            warnings
-                .push(format!("rasters overlap in {} measurements: of each pixel the {what}", self.shared));
+            warnings.push(format!("{} pixels are measured by more than one raster: the {what}", self.shared));
+        }
+        if self.noise_in_maximum {
+            warnings.push(
+                "the rasters hold noise around zero, of which the largest measurement takes the bright half for light: take --overlap mean, or \
+                 masked products"
+                    .to_owned(),
+            );
         }
         let mean = self.sum / self.lit.count.max(1) as f64;
         if mean < LOW_LIT_MEAN_NW_CM2_SR {

@@ -1,6 +1,6 @@
 //! The elevation of a place: bilinear in the first raster that has a value, else the nearest valid sample within 5 km.
 
-use super::border;
+use super::joining;
 use super::raster::TerrainRaster;
 use crate::grid::Grid;
 use crate::ground::Ground;
@@ -26,7 +26,7 @@ pub(crate) struct Terrain {
 impl Terrain {
     /// Rasters with what lies around each of them, so that elevation is bilinear from one to the next.
     pub(crate) fn joined(mut rasters: Vec<TerrainRaster>) -> Self {
-        border::join(&mut rasters);
+        joining::join(&mut rasters);
         Self { rasters }
     }
 

@@ -118,7 +118,7 @@ impl<'a> Path<'a> {
     }
 
     /// How much the ground rises along the path and to its right at a point, metres for each metre: by differences over two samples
-    /// each way, or `width_m` where that is more. Level beside voids.
+    /// each way, or `width_m` where that is more; beyond the raster in those that lie there. Level beside voids.
     pub(super) fn rise(&mut self, at: usize, point: &PathPoint, width_m: f64) -> (f64, f64) {
         let vector = self.vector(at);
         let (right, terrain) = (self.right, self.terrain);

@@ -224,13 +224,19 @@ impl TerrainRaster {
         for (level, index) in self.levels.iter().enumerate() {
             sections
                 .push((format!("tiles{number}.{level}"), Cow::Borrowed(bytemuck::cast_slice(&index.tiles))));
-            if let Some(border) = &index.border {
-                let samples = Cow::Borrowed(bytemuck::cast_slice(border.samples()));
-                sections.push((format!("border{number}.{level}"), samples));
-            }
         }
         sections
             .push((format!("levels{number}"), Cow::Owned((self.levels.len() as u32).to_le_bytes().to_vec())));
+        if self.levels.iter().any(|level| level.border.is_some()) {
+            let mut around: Vec<f32> = Vec::new();
+            for index in &self.levels {
+                match &index.border {
+                    Some(border) => around.extend(border.samples()),
+                    None => around.resize(around.len() + Border::len((index.width, index.height)), f32::NAN),
+                }
+            }
+            sections.push((format!("border{number}"), Cow::Owned(bytemuck::cast_slice(&around).to_vec())));
+        }
         if let Blob::Memory(blob) = &self.blob {
             if self.stays_in_file {
                 sections.push((format!("highest{number}"), Cow::Borrowed(self.maxima().lowest_bytes())));
@@ -259,18 +265,22 @@ impl TerrainRaster {
             if tiles.len() != width.div_ceil(SIDE) * height.div_ceil(SIDE) {
                 return Err(format!("has a wrong number of tiles in level {level}"));
             }
-            let border = if sections.has(&format!("border{number}.{level}")) {
-                let samples = sections.numbers(&format!("border{number}.{level}"))?;
-                let border = Border::of_samples((width, height), samples);
-                Some(border.ok_or_else(|| format!("has a wrong number of samples around level {level}"))?)
-            } else {
-                None
-            };
-            levels.push(LevelIndex { width, height, tiles, border });
+            levels.push(LevelIndex { width, height, tiles, border: None });
             (width, height) = (width.div_ceil(2), height.div_ceil(2));
         }
         if levels.is_empty() {
             return Err("has no levels".to_owned());
+        }
+        if sections.has(&format!("border{number}")) {
+            let around = sections.numbers::<f32>(&format!("border{number}"))?;
+            let mut rest = &around[..];
+            for level in &mut levels {
+                let size = (level.width, level.height);
+                let (own, others) =
+                    rest.split_at_checked(Border::len(size)).ok_or("has too few samples around it")?;
+                level.border = Border::of_samples(size, own.to_vec());
+                rest = others;
+            }
         }
         let name = format!("outside{number}");
         let blob = match (sections.outside(&name), file) {

@@ -137,6 +137,11 @@ impl<'a> Ray<'a> {
         } else if covered != [true; 3] {
             let ground_m = |t: f64| crossing.height_m(t).filter(|_| !is_covered(t));
             crossing.with_edges(&ground_m, |t, height_m| self.include(Some(height_m), segment.distance_m(t)));
+            // Where another raster covers a part of the cell, the highest ground is at its edge, or the crest where that is free.
+            let crest = if crossing.is_whole() { crossing.crest(self.observer_altitude_m) } else { None };
+            if let Some(t) = crest.filter(|t| !is_covered(*t)) {
+                self.include(crossing.height_m(t), segment.distance_m(t));
+            }
         }
     }
 
