@@ -140,9 +140,7 @@ impl NaturalPlaces {
                     let of = vector(&sky.sums, *weight);
                     irradiance.iter_mut().zip(of).for_each(|(sum, part)| *sum += part);
                 }
-                // Moon and Sun stand nearly alike over all places around: as the nearest has them.
-                let nearest = around.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-                let discs = nearest.map(|(sky, _)| sky.discs.clone()).unwrap_or_default();
+                let discs = discs_between(&around);
                 let up = |sky: &NaturalSky| sky.sums.first().copied().unwrap_or_default();
                 // Low skies are in parts of their own horizontal illuminance.
                 let below = around.iter().filter_map(|(sky, weight)| {
@@ -160,6 +158,20 @@ impl NaturalPlaces {
         let below = (place as usize).min(altitudes.count - 2);
         values[below] + (place - below as f64) * (values[below + 1] - values[below])
     }
+}
+
+/// Moon and Sun as places around have them, by their weights: where one of them has set over some, as the nearest has them.
+fn discs_between(around: &[(&NaturalSky, f64)]) -> Vec<(DVec3, f64)> {
+    let Some((nearest, _)) = around.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Vec::new() };
+    if around.iter().any(|(sky, _)| sky.discs.len() != nearest.discs.len()) {
+        return nearest.discs.clone();
+    }
+    let disc = |number: usize| {
+        let beam: DVec3 =
+            around.iter().map(|(sky, weight)| weight * sky.discs[number].1 * sky.discs[number].0).sum();
+        (beam.normalize_or_zero(), beam.length())
+    };
+    (0..nearest.discs.len()).map(disc).collect()
 }
 
 impl NaturalSky {
@@ -257,5 +269,18 @@ mod tests {
             assert!((value(&sky.sums) - of_sky).abs() < 1e-3, "{measure:?} {:?}", sky.sums);
             assert!((value(&sky.disc_sums) - of_disc).abs() < 0.01, "{measure:?} {:?}", sky.disc_sums);
         }
+    }
+
+    /// Between two skies the Moon is between theirs, and where it has set over one, as the nearer has it.
+    #[test]
+    fn the_moon_goes_from_sky_to_sky() {
+        let plane = vec![0.0; ELEVATION_COUNT * AZIMUTH_COUNT];
+        let sky = |discs: Vec<(DVec3, f64)>| NaturalSky::new(&plane, discs, MapMeasure::Slope);
+        let (low, high) = (DVec3::new(0.8, 0.0, 0.6), DVec3::new(0.6, 0.0, 0.8));
+        let (one, two, set) = (sky(vec![(low, 1.0)]), sky(vec![(high, 3.0)]), sky(Vec::new()));
+        let between = discs_between(&[(&one, 0.5), (&two, 0.5)]);
+        assert!((between[0].1 * between[0].0 - DVec3::new(1.3, 0.0, 1.5)).length() < 1e-12, "{between:?}");
+        assert_eq!(discs_between(&[(&one, 0.6), (&set, 0.4)]), one.discs);
+        assert!(discs_between(&[(&one, 0.4), (&set, 0.6)]).is_empty() && discs_between(&[]).is_empty());
     }
 }

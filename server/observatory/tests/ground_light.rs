@@ -105,7 +105,7 @@ fn ground_is_lit_by_its_cover() {
     dataset.set_spatial_ref(&SpatialRef::from_epsg(4326).unwrap()).unwrap();
     // Forest, fields, and nothing south of the observer.
     let class = |column: usize, row: usize| {
-        if row > 15 {
+        if row > 14 {
             0
         } else if column < 10 {
             10

@@ -191,7 +191,11 @@ fn terrain(assumptions: &Assumptions) -> &'static str {
 fn clouds(assumptions: &Assumptions) -> String {
     match assumptions.cloud_albedo {
         Some(albedo) => format!(
-            "closed at {} m above sea level, of albedo {albedo} (optical depth {:.0})",
+            "{} at {} m above sea level, of albedo {albedo} (optical depth {:.0})",
+            match assumptions.cloud_cover {
+                Some(cover) if cover < 1.0 => format!("{:.0} % covered", 100.0 * cover),
+                _ => "closed".to_owned(),
+            },
             assumptions.clouds,
             CloudBase::optical_depth(albedo)
         ),

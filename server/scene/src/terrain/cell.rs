@@ -2,6 +2,8 @@
 
 use skyglow_physics::EARTH_RADIUS_M;
 
+/// How far rounding puts a place from where it is, cells.
+const ROUNDING: f64 = 1e-6;
 /// Samples along a cell where the ground ends within it.
 const EDGE_SAMPLES: u32 = 16;
 
@@ -29,11 +31,12 @@ impl RaySegment {
         self.start_m + t * (self.end_m - self.start_m)
     }
 
-    /// The part over `0.5..=0.5 + size` along both axes, where the layer has samples.
+    /// The part over `0.5..=0.5 + size` along both axes, where the layer has samples, and by rounding beyond: a line along the edge of two
+    /// layers must be in one of them.
     pub(super) fn clipped(&self, (width, height): (f64, f64)) -> Option<Self> {
         let (mut from, mut to) = (0.0f64, 1.0f64);
         for (start, end, size) in [(self.start.0, self.end.0, width), (self.start.1, self.end.1, height)] {
-            let (a, b) = (0.5 - start, 0.5 + size - start);
+            let (a, b) = (0.5 - ROUNDING - start, 0.5 + ROUNDING + size - start);
             let run = end - start;
             if run == 0.0 {
                 if a > 0.0 || b < 0.0 {

@@ -23,7 +23,7 @@ use skyglow_app::{
     parameters::BrightnessParameters,
     request,
 };
-use skyglow_display::tile::RADIANCE_RANGE_NW_CM2_SR;
+use skyglow_display::{notes, tile::RADIANCE_RANGE_NW_CM2_SR};
 use skyglow_observatory::{BrightnessRequest, SceneView};
 use skyglow_scene::{PatchStore, PlaceWindow, RasterMetadata, SceneId, TileLayer};
 use std::{
@@ -237,7 +237,8 @@ impl Atlas {
 
     fn write_raster(&self, found: &Found) -> Result<(), Failure> {
         let notes = [("TIFFTAG_SOFTWARE", "Skyglow"), ("ASSUMPTIONS", found.assumptions.as_str())];
-        let words = RasterMetadata { description: &found.description, unit: &found.unit, notes: &notes };
+        let description = notes::description(found.description.clone(), found.scene.metadata().illustrative);
+        let words = RasterMetadata { description: &description, unit: &found.unit, notes: &notes };
         let bytes = found.scene.places_geotiff(&found.places, &words).map_err(Failure::work)?;
         let path = &self.output.path;
         // Whole or not there: a reader never sees half a file.
