@@ -131,11 +131,11 @@ fn ground_is_lit_by_its_cover() {
     let [_, through, ..] = AirBetween::new(request.turbidity).transmittance([1_050.0, 1_000.0], path_m);
     let plane = sky.seen.seen_by(&skyglow_physics::Response::Photopic).unwrap();
     for (ground, azimuth_deg, albedo) in [
-        (&bare, 290.0, 0.06),
-        (&bare, 60.0, 0.10),
+        (&bare, 284.0, 0.06),
+        (&bare, 80.0, 0.10),
         (&bare, 200.0, 0.15),
-        (&snow, 60.0, 0.75),
-        (&snow, 290.0, 0.15),
+        (&snow, 80.0, 0.75),
+        (&snow, 284.0, 0.15),
     ] {
         let (_, column) = looking(azimuth_deg, 1.0).nearest_sample();
         let horizon = plane[column - 4..=column + 4].iter().map(|value| f64::from(*value)).sum::<f64>() / 9.0;
