@@ -25,6 +25,8 @@ FRAME = Frame(
     date="2023",
     assumptions={"scene": {"id": "x", "version": "v", "illustrative": True}, "warnings": []},
     key="this map",
+    atlas_key="this sky",
+    query="",
 )
 TILE = (50, 80)
 

@@ -19,7 +19,7 @@ import numpy as np
 from . import stac
 from .errors import SkyglowError
 from .grids import Grid, Numbers, between, halved
-from .shards import ROOT, variable_in
+from .shards import ATLAS_KEY, ATLAS_QUERY, ROOT, Shards, variable_in
 from .stores import Options, Where, open_store, size_of
 
 # Rows and columns of a file: 256 MiB in memory.
@@ -38,6 +38,7 @@ class Baked:
     values: Any
     grid: Grid
     about: dict[str, Any]
+    shards: Shards
 
     @property
     def unit(self) -> str:
@@ -58,10 +59,12 @@ def baked(where: Where, store: Options | None = None) -> Baked:
     if size_of(kept, ROOT) is None:
         raise SkyglowError(f"{where} is no map of skyglow.distributed.atlas")
     group = zarr.open_group(kept, mode="r")
-    values: Any = group[variable_in(group)]
+    name = variable_in(group)
+    values: Any = group[name]
     mapping = group["spatial_ref"].attrs
     transform = tuple(float(part) for part in str(mapping["GeoTransform"]).split())
-    return Baked(values, Grid(values.shape, transform, str(mapping["crs_wkt"])), dict(group.attrs))
+    grid = Grid(values.shape, transform, str(mapping["crs_wkt"]))
+    return Baked(values, grid, dict(group.attrs), Shards(kept, name, "r"))
 
 
 def cogs(
@@ -164,7 +167,9 @@ def pmtiles(
     """Writes a map as PMTiles of coloured PNG, in the colours of the server's tiles and of ``skyglow atlas``.
 
     ``max_zoom`` is by default that at which a tile's pixel is no larger than a place; there it is what ``skyglow
-    atlas`` draws. Pixels of lower zooms are means of four. Tiles that show nothing are left out.
+    atlas`` draws. Pixels of lower zooms are means of four. Tiles that show nothing are left out. A server that is
+    given the file (``atlases``) shows its tiles where it would compute the same map; of a map of which shards are
+    missing it does not.
     """
     try:
         import skyglow_engine
@@ -213,7 +218,10 @@ def pmtiles(
             "description": description,
             "attribution": chart.about.get("attribution"),
             "assumptions": chart.about["assumptions"],
+            "scene": chart.about["scene"],
         }
+        if chart.shards.is_whole():
+            about |= {name: chart.about[name] for name in (ATLAS_KEY, ATLAS_QUERY) if name in chart.about}
         writer.finalize(header, about)
     unfinished.rename(path)
     return path

@@ -51,7 +51,8 @@ class Frame:
     rows and columns that are found together: parts that consist of whole ones cost no more than their share.
     ``transform`` has GDAL's six coefficients, ``bounds`` west, south, east and north of the scene; pictures have their
     colours between the ends of ``colour_range``; ``date`` is that of the scene's light. ``key`` tells this map, made by
-    this engine, from all others.
+    this engine, from all others; ``atlas_key`` and ``query`` are those by which a server shows tiles of the map where
+    it would compute it.
     """
 
     shape: tuple[int, int]
@@ -67,6 +68,8 @@ class Frame:
     date: str | None
     assumptions: Mapping[str, Any]
     key: str
+    atlas_key: str
+    query: str
 
 
 class BrightnessMap:
@@ -100,6 +103,8 @@ class BrightnessMap:
             date=said["date"],
             assumptions=said["assumptions"],
             key=hashlib.sha256(content.encode()).hexdigest(),
+            atlas_key=said["atlas_key"],
+            query=self._which[1],
         )
 
     def part(self, window: Window) -> np.ndarray[Any, np.dtype[np.float32]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pyproj
@@ -28,6 +28,8 @@ except ModuleNotFoundError as error:
     raise ImportError("maps in shards need zarr 3: pip install 'skyglow[distributed]'") from error
 
 KEY = "skyglow_key"
+# By which a server knows tiles of the map, and the parameters that it was made with.
+ATLAS_KEY, ATLAS_QUERY = "atlas_key", "atlas_query"
 # Side of the chunks within a shard at most: what a reader of a few places reads.
 CHUNK = 256
 # Places of a side of a shard where nobody says: 4 MiB a shard.
@@ -43,9 +45,9 @@ ROOT = "zarr.json"
 class Shards:
     """A map where it is kept: a Zarr group, with one file for each shard."""
 
-    def __init__(self, store: Store, name: str) -> None:
+    def __init__(self, store: Store, name: str, mode: Literal["r", "r+"] = "r+") -> None:
         self.store, self.name = store, name
-        self._array = zarr.open_array(store, path=name, mode="r+").with_config(CONFIG)
+        self._array = zarr.open_array(store, path=name, mode=mode).with_config(CONFIG)
         rows, columns = self._array.shards or self._array.chunks
         self.tile: Tile = (rows, columns)
 
@@ -78,6 +80,12 @@ class Shards:
         except (ValueError, RuntimeError):
             return False
         return True
+
+    def is_whole(self) -> bool:
+        """Whether all shards are there."""
+        rows, columns = self._array.shape
+        every = self.over(Window((0, rows), (0, columns)))
+        return all(stores.size_of(self.store, self.key(shard)) for shard in every)
 
     def write(self, shard: Tile, values: np.ndarray[Any, Any]) -> None:
         """Writes a shard in one piece: in a folder beside its place, then renamed."""
@@ -236,5 +244,7 @@ def _attributes(frame: Frame) -> dict[str, Any]:
         "warnings": "\n".join(frame.assumptions["warnings"]),
         "assumptions": json.dumps(frame.assumptions, ensure_ascii=False),
         KEY: frame.key,
+        ATLAS_KEY: frame.atlas_key,
+        ATLAS_QUERY: frame.query,
     }
     return {name: value for name, value in attributes.items() if value != ""}

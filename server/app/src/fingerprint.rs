@@ -76,6 +76,23 @@ pub fn brightness_content(
     hash_of(version, &("brightness", request, scene_version, &facts.pack_checksums))
 }
 
+/// Where the metadata of an atlas (PMTiles) has its key, and the parameters that it was made with.
+pub const ATLAS_KEY: &str = "atlas_key";
+/// See [`ATLAS_KEY`].
+pub const ATLAS_QUERY: &str = "atlas_query";
+
+/// What decides what a map shows, of however many places it is: an atlas with this key has what a server would compute, or finer.
+///
+/// # Errors
+/// As [`canonical_bytes`].
+pub fn atlas_key(
+    request: &BrightnessRequest,
+    scene_version: &str,
+    facts: &SourceFacts,
+) -> Result<String, AppError> {
+    brightness_content(&BrightnessRequest { max_places: 0, ..request.clone() }, scene_version, facts)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

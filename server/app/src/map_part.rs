@@ -4,7 +4,7 @@ use crate::{
     answers::{BrightnessAssumptions, brightness_shows},
     error::AppError,
     facts::SourceFacts,
-    fingerprint::brightness_content,
+    fingerprint::{atlas_key, brightness_content},
     validation::ValidationCode,
 };
 use serde::Serialize;
@@ -43,6 +43,8 @@ pub struct MapFrame {
     pub assumptions: BrightnessAssumptions,
     /// A hash of the request, the scene and the packs, but not of the program.
     pub content: String,
+    /// The same whatever the number of places: a server shows tiles with this key where it would compute the map.
+    pub atlas_key: String,
 }
 
 impl MapFrame {
@@ -73,6 +75,7 @@ impl MapFrame {
             date: metadata.date.clone(),
             assumptions: BrightnessAssumptions::of_scene(request, metadata, lattice.step, facts),
             content: brightness_content(request, view.version(), facts)?,
+            atlas_key: atlas_key(request, view.version(), facts)?,
         })
     }
 }

@@ -139,6 +139,10 @@ pub(crate) struct PartialSettings {
     /// PMTiles file of vector tiles with Protomaps' layers, which the viewer's map shows below the lights [default: none]
     #[arg(long, env = "SKYGLOW_BASEMAP", value_name = "FILE")]
     pub(crate) basemap: Option<PathBuf>,
+    /// PMTiles files of maps of brightness that skyglow atlas made, whose tiles are shown in place of the same maps computed: paths, or
+    /// s3://BUCKET/NAME.pmtiles, gs:// or az:// [default: none]
+    #[arg(long, env = "SKYGLOW_ATLASES", value_name = "FILES", value_delimiter = ',')]
+    pub(crate) atlases: Option<Vec<String>>,
     /// Origins of other sites whose pages may have scenarios and plans stored, as https://maps.example.org, or * [default: none]
     #[arg(long, env = "SKYGLOW_CORS_ORIGINS", value_name = "ORIGINS", value_delimiter = ',')]
     pub(crate) cors_origins: Option<Vec<String>>,

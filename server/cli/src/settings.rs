@@ -2,7 +2,7 @@
 
 use crate::{device::Device, failure::Failure, folders};
 use serde::{Deserialize, Serialize};
-use skyglow_http::{Access, ApiKey, Basemap, HttpConfig, KeptStore, Valkey, access::AccessError};
+use skyglow_http::{Access, ApiKey, Atlas, Basemap, HttpConfig, KeptStore, Valkey, access::AccessError};
 use skyglow_scene::{ChangeLimits, ChangeStore, MAX_DRAFT_BYTES};
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -135,6 +135,11 @@ impl Settings {
         if let Some(error) = http.basemap.as_ref().and_then(|path| Basemap::open(path).err()) {
             require(false, "basemap", &format!("a PMTiles file of vector tiles: {error}"));
         }
+        for address in &http.atlases {
+            if let Err(error) = Atlas::open(address) {
+                require(false, "atlases", &format!("PMTiles files of maps: {address}: {error}"));
+            }
+        }
         let collector = self.otlp_endpoint.as_ref();
         let is_plain = |url: &String| url.starts_with("http://") && is_url(url);
         require(collector.is_none_or(is_plain), "otlp_endpoint", "an address such as http://collector:4318");
@@ -220,15 +225,11 @@ impl Settings {
 pub(crate) fn line_of(text: &str, error: &toml::de::Error) -> usize {
     error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count())
 }
+
 /// The store at an address, with the credentials of the environment.
 ///
 /// # Errors
 /// [`Failure::Work`] where the address cannot be used.
 pub(crate) fn open_store(address: &str) -> Result<Arc<KeptStore>, Failure> {
-    let variables = std::env::vars_os()
-        .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
-    let options: Vec<_> = variables
-        .filter(|(name, _)| KeptStore::VARIABLES.iter().any(|start| name.starts_with(start)))
-        .collect();
-    KeptStore::open(address, &options).map(Arc::new).map_err(Failure::work)
+    KeptStore::of_environment(address).map(Arc::new).map_err(Failure::work)
 }

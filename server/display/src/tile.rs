@@ -108,6 +108,59 @@ fn logarithmic_png(
     })
 }
 
+/// A part of a square tile, enlarged to a tile: beyond its last zoom a map has nothing finer.
+///
+/// * `part`: how many zooms deeper, and column and row among the 2^zooms a side that the tile has of such parts.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] for what is no PNG.
+pub fn enlarged_tile_png(
+    tile: &[u8],
+    (zooms, column, row): (u8, u32, u32),
+    size_px: u32,
+    notes: &Notes,
+) -> Result<Vec<u8>, DisplayError> {
+    let tile = decoded(tile)?;
+    let at = |pixel: u32, part: u32, whole: u32| {
+        let place =
+            (f64::from(part) + (f64::from(pixel) + 0.5) / f64::from(size_px)) / f64::from(zooms).exp2();
+        ((place * f64::from(whole)) as u32).min(whole.saturating_sub(1))
+    };
+    let enlarged = RgbaImage::from_fn(size_px, size_px, |x, y| {
+        *tile.get_pixel(at(x, column, tile.width()), at(y, row, tile.height()))
+    });
+    encode_png_rgba(&enlarged, notes)
+}
+
+/// Four tiles of a zoom as one of the zoom before, with all their pixels: north-west, north-east, south-west, south-east; transparent
+/// where there is none.
+///
+/// # Errors
+/// [`DisplayError::Encoding`] for what is no PNG.
+pub fn joined_tiles_png(
+    four: &[Option<&[u8]>],
+    size_px: u32,
+    notes: &Notes,
+) -> Result<Vec<u8>, DisplayError> {
+    let mut joined = RgbaImage::new(2 * size_px, 2 * size_px);
+    for (number, tile) in (0u32..).zip(four) {
+        if let Some(tile) = tile {
+            let at = [number % 2, number / 2].map(|side| i64::from(side * size_px));
+            image::imageops::replace(&mut joined, &decoded(tile)?, at[0], at[1]);
+        }
+    }
+    encode_png_rgba(&joined, notes)
+}
+
+fn decoded(png: &[u8]) -> Result<RgbaImage, DisplayError> {
+    let picture = image::load_from_memory_with_format(png, image::ImageFormat::Png);
+    let picture = picture.map_err(|error| DisplayError::encoding("PNG", error))?.into_rgba8();
+    match picture.is_empty() {
+        true => Err(DisplayError::encoding("PNG", "a tile without pixels")),
+        false => Ok(picture),
+    }
+}
+
 /// A square tile of terrain altitude [m], `[y][x]`: hypsometric tints, shaded with a light from the north-west.
 /// `pixel_m` is the size of a pixel on the ground. No data is transparent.
 ///
@@ -212,6 +265,26 @@ mod tests {
         // Without any influence nothing is coloured.
         let dark = decode(&influence_tile_png(&[0.0; 4], &[true; 4], 2, 0.0, &Notes::default()).unwrap());
         assert!(dark.pixels().all(|pixel| pixel.0[3] == 0));
+    }
+
+    /// Four tiles make one of all their pixels, of which each fourth is the tile again; what is enlarged has the pixels of its part.
+    #[test]
+    fn tiles_are_joined_and_enlarged() {
+        let values: Vec<f32> = (0..16).map(|i| 1.0 + 12.0 * i as f32).collect();
+        let tile = radiance_tile_png(&values, &[true; 16], 4, &Notes::default()).unwrap();
+        let joined = joined_tiles_png(&[None, Some(&tile), Some(&tile), None], 4, &Notes::default()).unwrap();
+        let (one, whole) = (decode(&tile), decode(&joined));
+        assert_eq!(whole.dimensions(), (8, 8));
+        for (x, y) in [(0, 0), (3, 1), (2, 3)] {
+            assert_eq!(whole.get_pixel(4 + x, y), one.get_pixel(x, y));
+            assert_eq!(whole.get_pixel(x, 4 + y), one.get_pixel(x, y));
+            assert_eq!(whole.get_pixel(x, y).0[3] + whole.get_pixel(4 + x, 4 + y).0[3], 0);
+        }
+        let again = enlarged_tile_png(&joined, (1, 1, 0), 4, &Notes::default()).unwrap();
+        assert_eq!(decode(&again), one);
+        let deep = decode(&enlarged_tile_png(&tile, (5, 9, 31), 4, &Notes::default()).unwrap());
+        assert!(deep.pixels().all(|pixel| pixel == one.get_pixel(1, 3)));
+        assert!(enlarged_tile_png(b"no picture", (1, 0, 0), 4, &Notes::default()).is_err());
     }
 
     /// A slope that faces north west is lighter than one that faces away.

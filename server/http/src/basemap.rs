@@ -1,55 +1,28 @@
 //! A basemap that the operator puts beside the scenes: vector tiles in one file (PMTiles, version 3), read tile by tile.
 
+use crate::tile_file::{TileFile, TileFileError};
 use axum::body::Bytes;
-use futures_util::FutureExt;
-use pmtiles::{
-    AsyncBackend, AsyncPmTilesReader, BackendResponse, Compression, PmtError, PmtResult, TileCoord, TileType,
-};
-use serde_json::Value;
-use std::{fmt, fs::File, future::Future, os::unix::fs::FileExt, path::Path};
+use pmtiles::{Compression, TileType};
+use std::{fmt, path::Path};
 use thiserror::Error;
-
-/// Directories, metadata and tiles of real files have some megabytes at most.
-const MAX_PART_BYTES: usize = 64 << 20;
 
 /// Why a file is no basemap.
 #[derive(Debug, Error)]
 pub enum BasemapError {
-    /// It cannot be opened.
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
-    /// It is no PMTiles file, or a broken one.
-    #[error("it is no sound PMTiles file of version 3: {0}")]
-    Unreadable(#[from] PmtError),
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] TileFileError),
     /// It holds other tiles.
     #[error("it is no file of vector tiles (MVT)")]
     NotVectorTiles,
-}
-
-/// Reads parts of a file at once: what waits for them never waits.
-struct Parts(File);
-
-impl AsyncBackend for Parts {
-    async fn read(&self, offset: u64, length: usize) -> PmtResult<BackendResponse> {
-        if length > MAX_PART_BYTES {
-            return Err(PmtError::InvalidEntry);
-        }
-        let mut bytes = vec![0; length];
-        let mut filled = 0;
-        while filled < length {
-            match self.0.read_at(&mut bytes[filled..], offset.saturating_add(filled as u64))? {
-                0 => break,
-                more => filled += more,
-            }
-        }
-        bytes.truncate(filled);
-        Ok(BackendResponse::new(bytes.into()))
-    }
+    /// A browser could not read them.
+    #[error("how its tiles are compressed is not known")]
+    UnknownCompression,
 }
 
 /// A file of vector tiles.
 pub struct Basemap {
-    reader: AsyncPmTilesReader<Parts>,
+    file: TileFile,
     /// How tiles are compressed, as HTTP names it.
     pub(crate) encoding: Option<&'static str>,
     pub(crate) zooms: (u8, u8),
@@ -73,24 +46,23 @@ impl Basemap {
     /// # Errors
     /// [`BasemapError`] for what is no PMTiles file of vector tiles.
     pub fn open(path: &Path) -> Result<Self, BasemapError> {
-        let reader = at_once(AsyncPmTilesReader::try_from_source(Parts(File::open(path)?)))?;
-        let header = reader.get_header();
+        let file = TileFile::open(path)?;
+        let (header, metadata) = (file.header(), &file.metadata);
         if header.tile_type != TileType::Mvt {
             return Err(BasemapError::NotVectorTiles);
         }
         if header.tile_compression == Compression::Unknown {
-            return Err(PmtError::InvalidCompression.into());
+            return Err(BasemapError::UnknownCompression);
         }
-        let metadata: Value = serde_json::from_str(&at_once(reader.get_metadata())?).unwrap_or_default();
         let layers = metadata["vector_layers"].as_array().into_iter().flatten();
         let layers = layers.filter_map(|layer| layer["id"].as_str()).map(str::to_owned).collect();
         Ok(Self {
             encoding: header.tile_compression.content_encoding(),
-            zooms: (header.min_zoom, header.max_zoom),
+            zooms: file.zooms(),
             bounds: [header.min_longitude, header.min_latitude, header.max_longitude, header.max_latitude],
             attribution: without_markup(metadata["attribution"].as_str().unwrap_or_default()),
             layers,
-            reader,
+            file,
         })
     }
 
@@ -99,15 +71,8 @@ impl Basemap {
     /// # Errors
     /// [`BasemapError`] for a file that has changed or is broken.
     pub fn tile(&self, z: u8, x: u32, y: u32) -> Result<Option<Bytes>, BasemapError> {
-        let Ok(coord) = TileCoord::new(z, x, y) else { return Ok(None) };
-        Ok(at_once(self.reader.get_tile(coord))?)
+        Ok(self.file.tile(z, x, y)?)
     }
-}
-
-/// What comes without waiting, as all that [`Parts`] reads does.
-fn at_once<T>(reading: impl Future<Output = PmtResult<T>>) -> PmtResult<T> {
-    let waiting = || PmtError::Reading(std::io::ErrorKind::WouldBlock.into());
-    reading.now_or_never().unwrap_or_else(|| Err(waiting()))
 }
 
 /// Text of HTML without its tags.
@@ -124,7 +89,8 @@ fn without_markup(html: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pmtiles::{PmTilesWriter, TileId};
+    use pmtiles::{PmTilesWriter, TileCoord, TileId};
+    use std::fs::File;
 
     /// A file of so many tiles of a zoom, each of its own bytes, written by another program than ours.
     fn written(path: &Path, z: u8, side: u32) {

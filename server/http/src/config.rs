@@ -84,6 +84,9 @@ pub struct HttpConfig {
     pub public_url: Option<String>,
     /// A PMTiles file of vector tiles with the layers of Protomaps, which the viewer's map shows below the lights.
     pub basemap: Option<PathBuf>,
+    /// PMTiles files of maps of brightness that `skyglow atlas` or `skyglow.export.pmtiles` made, by path or in an object store: their
+    /// tiles are shown in place of the same maps computed.
+    pub atlases: Vec<String>,
     /// Origins of other sites whose pages may have scenarios and plans kept, such as `https://maps.example.org`; `*` for all. Those
     /// of all sites may read.
     pub cors_origins: Vec<String>,
@@ -115,6 +118,7 @@ impl Default for HttpConfig {
             log_client_address: LoggedAddress::Off,
             public_url: None,
             basemap: None,
+            atlases: Vec::new(),
             cors_origins: Vec::new(),
         }
     }

@@ -1,9 +1,11 @@
 //! The store of what is kept, where several servers share one: a bucket of S3, or of what speaks as S3 does, of Google Cloud Storage or
 //! of Azure Blob Storage, or a folder that all of them mount.
 
+use axum::body::Bytes;
 use futures_util::TryStreamExt;
 use object_store::{
-    ClientConfigKey, Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutPayload, RetryConfig,
+    ClientConfigKey, Error, GetOptions, GetRange, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode,
+    PutPayload, RetryConfig,
     aws::{AmazonS3Builder, AmazonS3ConfigKey},
     azure::{AzureConfigKey, MicrosoftAzureBuilder},
     gcp::{GoogleCloudStorageBuilder, GoogleConfigKey},
@@ -63,6 +65,19 @@ pub struct KeptStore {
 impl KeptStore {
     /// Names of variables of the environment that have a store's credentials and endpoints begin so.
     pub const VARIABLES: [&'static str; 3] = ["AWS_", "AZURE_", "GOOGLE_"];
+
+    /// The store at an address, with the credentials of the environment.
+    ///
+    /// # Errors
+    /// [`KeptStoreError`].
+    pub fn of_environment(address: &str) -> Result<Self, KeptStoreError> {
+        let variables = std::env::vars_os()
+            .filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
+        let options: Vec<_> = variables
+            .filter(|(name, _)| Self::VARIABLES.iter().any(|start| name.starts_with(start)))
+            .collect();
+        Self::open(address, &options)
+    }
 
     /// The store at an address.
     ///
@@ -146,6 +161,22 @@ impl KeptStore {
             Ok(Err(_)) => Err(away("took too long")),
             Err(_) => Err(away("a thread failed")),
         }
+    }
+
+    /// Bytes of an object from one on, and what tells its version; fewer where it ends, None where it is not there.
+    pub(crate) fn part(
+        &self,
+        name: &str,
+        (from, count): (u64, usize),
+    ) -> Result<Option<(Bytes, Option<String>)>, StoreAway> {
+        let (store, path) = (self.store.clone(), self.path(name));
+        let range = GetRange::Bounded(from..from.saturating_add(count as u64));
+        self.ask(async move {
+            let found =
+                store.get_opts(&path, GetOptions { range: Some(range), ..GetOptions::default() }).await?;
+            let version = found.meta.e_tag.clone();
+            Ok((found.bytes().await?, version))
+        })
     }
 
     fn ask<T: Send + 'static>(

@@ -7,6 +7,7 @@
 pub mod access;
 pub mod app;
 mod asker;
+pub mod atlases;
 pub mod basemap;
 mod budget;
 pub mod config;
@@ -31,6 +32,7 @@ pub mod serve;
 mod shared;
 mod shared_counts;
 pub mod state;
+mod tile_file;
 mod token_buckets;
 pub mod trust;
 mod valkey;
@@ -38,9 +40,11 @@ mod work_places;
 
 pub use access::{Access, ApiKey};
 pub use app::{openapi, router, router_beside, router_with_access};
+pub use atlases::{Atlas, AtlasError};
 pub use basemap::{Basemap, BasemapError};
 pub use config::{HttpConfig, LoggedAddress};
 pub use kept_store::{KeptStore, KeptStoreError};
 pub use memory::{MemoryShares, TooLittleMemory};
 pub use serve::serve;
+pub use tile_file::TileFileError;
 pub use valkey::{BadValkey, Valkey};

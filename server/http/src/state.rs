@@ -3,6 +3,7 @@
 use crate::{
     access::Access,
     asker::{self, Asker},
+    atlases::Atlases,
     basemap::{Basemap, BasemapError},
     budget::Budget,
     config::HttpConfig,
@@ -74,6 +75,8 @@ pub struct SharedState {
     brightness_progress: Progress,
     /// The operator's basemap; None without one, or where it cannot be read.
     pub(crate) basemap: Option<Arc<Basemap>>,
+    /// Maps that were made beforehand.
+    pub(crate) atlases: Arc<Atlases>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -165,6 +168,7 @@ impl AppState {
             let told = |reason: &BasemapError| tracing::error!(%reason, path = %path.display(), "no basemap");
             opened.inspect_err(told).ok().map(Arc::new)
         });
+        let atlases = Atlases::watched(&config.atlases, &source);
         let work = Arc::new(WorkPlaces::new(source.clone(), metrics.clone(), &config));
         Self(Arc::new(SharedState {
             source,
@@ -182,6 +186,7 @@ impl AppState {
             brightnesses,
             brightness_progress: Progress::default(),
             basemap,
+            atlases,
             openapi: Arc::default(),
         }))
     }

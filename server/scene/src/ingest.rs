@@ -110,7 +110,7 @@ pub(crate) fn ingest_as(
     };
     let (crs_wkt, crs_name) = mosaic.crs_text()?;
     let terrain = terrain_files::read(options, progress)?;
-    terrain_files::set_altitudes(&terrain, &mut light, progress);
+    terrain_files::set_altitudes(&terrain, &mut light, options, progress)?;
     let land_cover = land_cover_files::read(options, &light.grid, &mut light.report.recognised)?;
     let when = options.skylines.unwrap_or_else(|| SkylineTime::of_lights(light.pixels.len()));
     let skylines = match when {

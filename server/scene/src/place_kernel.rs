@@ -248,10 +248,50 @@ impl PlaceKernel {
         blocking: f32,
         towards: Vec2,
     ) -> f32 {
+        let of_blockings = self.of_blockings(blocking);
+        self.sum_of_parts(altitude, ring, offset_m, towards, &of_blockings)
+    }
+
+    /// What a skyline takes from that: at most 0 where no azimuth counts.
+    #[inline(always)]
+    pub(crate) fn hidden(
+        &self,
+        altitude: usize,
+        ring: RingPosition,
+        offset_m: f32,
+        blocking: f32,
+        towards: Vec2,
+    ) -> f32 {
+        if blocking <= 0.0 {
+            return 0.0;
+        }
+        let of_blockings = self.of_blockings(blocking);
+        self.sum_of_parts(altitude, ring, offset_m, towards, &|values| of_blockings(values) - values[0])
+    }
+
+    /// Linear between the values of blocking angles.
+    #[inline(always)]
+    fn of_blockings(&self, blocking: f32) -> impl Fn(&[f32]) -> f32 + use<> {
+        let lower = (blocking as usize).min(self.blocking_count.saturating_sub(2));
+        let along = if self.blocking_count == 1 { 0.0 } else { blocking - lower as f32 };
+        let upper = lower + usize::from(self.blocking_count > 1);
+        move |values| values[lower] + along * (values[upper] - values[lower])
+    }
+
+    #[inline(always)]
+    fn sum_of_parts(
+        &self,
+        altitude: usize,
+        ring: RingPosition,
+        offset_m: f32,
+        towards: Vec2,
+        of_blockings: &impl Fn(&[f32]) -> f32,
+    ) -> f32 {
         let Some((first, others)) = self.parts.split_first() else { return 0.0 };
-        let mut sum = first.factor.towards(towards) * self.of_part(first, altitude, ring, offset_m, blocking);
+        let mut sum =
+            first.factor.towards(towards) * self.of_part(first, altitude, ring, offset_m, of_blockings);
         for part in others {
-            sum += part.factor.towards(towards) * self.of_part(part, altitude, ring, offset_m, blocking);
+            sum += part.factor.towards(towards) * self.of_part(part, altitude, ring, offset_m, of_blockings);
         }
         sum
     }
@@ -259,23 +299,29 @@ impl PlaceKernel {
     /// A part by its number at a ring, under an open sky, whatever the azimuth.
     pub(crate) fn on_ring(&self, part: usize, altitude: usize, ring: usize, offset_m: f32) -> f32 {
         let part = self.parts.get(part);
-        part.map_or(0.0, |part| self.of_part(part, altitude, RingPosition::node(ring), offset_m, 0.0))
+        part.map_or(0.0, |part| {
+            self.of_part(part, altitude, RingPosition::node(ring), offset_m, &self.of_blockings(0.0))
+        })
     }
 
+    /// Linear between heights and rings.
+    ///
+    /// * `of_blockings`: of the values of all blocking angles.
     #[inline(always)]
-    fn of_part(&self, part: &Part, altitude: usize, ring: RingPosition, offset_m: f32, blocking: f32) -> f32 {
+    fn of_part(
+        &self,
+        part: &Part,
+        altitude: usize,
+        ring: RingPosition,
+        offset_m: f32,
+        of_blockings: &impl Fn(&[f32]) -> f32,
+    ) -> f32 {
         let (below, up) = self.offsets.position(offset_m);
+        let count = self.blocking_count;
         let of_ring = |ring: usize| {
-            let start = ((altitude * RING_COUNT + ring) * self.offsets.count + below) * self.blocking_count;
-            if self.blocking_count == 1 {
-                let values = &part.values[start..start + 2];
-                return values[0] + up * (values[1] - values[0]);
-            }
-            let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
-            let along = blocking - lower as f32;
-            let values = &part.values[start + lower..start + lower + BLOCKING_COUNT + 2];
-            let of_offset = |first: usize| values[first] + along * (values[first + 1] - values[first]);
-            let (low, high) = (of_offset(0), of_offset(BLOCKING_COUNT));
+            let start = ((altitude * RING_COUNT + ring) * self.offsets.count + below) * count;
+            let (low, high) = part.values[start..start + 2 * count].split_at(count);
+            let (low, high) = (of_blockings(low), of_blockings(high));
             low + up * (high - low)
         };
         let (near, far) = (of_ring(ring.ring), of_ring(ring.ring + 1));

@@ -115,6 +115,19 @@ fn lights_off_terrain_take_nearest_within_5_km() {
     assert!(warnings.len() == 1 && warnings[0].contains("have no terrain within 5 km"), "{warnings:?}");
 }
 
+/// Terrain of another region is refused: its scene would lie at sea level without a word.
+#[test]
+fn terrain_that_lies_elsewhere_is_refused() {
+    let test_store = TestStore::new();
+    let (light, ground) = (test_store.path("light.tif"), test_store.path("ground.tif"));
+    TestRaster::scattered(240, 240).write_f32(&light);
+    plane(10.0, 40.0, 0.01, 130, 130).write_f32(&ground);
+    let mut options = IngestOptions::new(light);
+    options.terrain = vec![ground];
+    let refused = test_store.refusal(&options);
+    assert!(refused.contains("lies elsewhere") && refused.contains("none"), "{refused}");
+}
+
 #[test]
 fn below_sea_level_counts_as_sea_level() {
     let test_store = TestStore::new();

@@ -2,10 +2,11 @@
 
 use crate::{
     asker::{self, Asker},
+    atlases::Atlas,
     error::ApiError,
     state::AppState,
 };
-use skyglow_app::fingerprint::brightness_key;
+use skyglow_app::fingerprint::{atlas_key, brightness_key};
 use skyglow_observatory::{BrightnessMap, BrightnessRequest, SceneView};
 use std::sync::Arc;
 use tracing::Instrument;
@@ -17,6 +18,8 @@ pub(super) struct PreparedBrightness {
     view: SceneView,
     /// What decides the map, as text for ETags.
     pub(super) key: String,
+    /// The same map, made beforehand.
+    pub(super) atlas: Option<Arc<Atlas>>,
 }
 
 impl PreparedBrightness {
@@ -26,8 +29,15 @@ impl PreparedBrightness {
     /// No such scene or scenario.
     pub(super) async fn prepare(state: &AppState, request: BrightnessRequest) -> Result<Self, ApiError> {
         let view = state.view(&request.scene, request.scenario.as_ref()).await?;
-        let key = brightness_key(&request, view.version(), state.source.facts())?;
-        Ok(Self { request: Arc::new(request), view, key })
+        let facts = state.source.facts();
+        let key = brightness_key(&request, view.version(), facts)?;
+        let atlas = state.atlases.get(&atlas_key(&request, view.version(), facts)?);
+        Ok(Self { request: Arc::new(request), view, key, atlas })
+    }
+
+    /// What decides its tiles, as text for ETags.
+    pub(super) fn tiles_key(&self) -> String {
+        self.atlas.as_ref().map_or_else(|| self.key.clone(), |atlas| atlas.tiles_key())
     }
 
     /// What it is asked with.
@@ -40,9 +50,9 @@ impl PreparedBrightness {
         &self.view
     }
 
-    /// None where the map is found; if it is not, it is begun, nobody waits for it here, and the part that is done is answered.
+    /// None where the map is found, or its tiles are made already; if it is not, it is begun, nobody waits for it here, and the part that is done is answered.
     pub(super) fn begin(self, state: &AppState) -> Option<f64> {
-        if state.has_brightness(&self.key) {
+        if self.atlas.is_some() || state.has_brightness(&self.key) {
             return None;
         }
         let progress = state.brightness_progress(&self.key).map_or(0.0, |(progress, _)| progress);

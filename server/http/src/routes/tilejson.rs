@@ -69,8 +69,9 @@ pub async fn get_tilejson(
             let seen = (request.measure, request.light, request.cloud_base_m, request.response.clone());
             let prepared = PreparedBrightness::prepare(&state, request).await?;
             let view = prepared.view().clone();
-            let version = tile_version(&prepared.key)?;
-            (Shown::Brightness { seen, query, version, progress: prepared.begin(&state) }, view)
+            let version = tile_version(&prepared.tiles_key())?;
+            let deepest = prepared.atlas.as_ref().map(|atlas| atlas.zooms().1);
+            (Shown::Brightness { seen, query, version, deepest, progress: prepared.begin(&state) }, view)
         }
         MapLayer::Influence => {
             let request = influence(query.as_deref(), None, id, facts, InfluenceFormat::Tiff)?.request;
@@ -102,6 +103,8 @@ enum Shown {
         /// As it came.
         query: Option<String>,
         version: String,
+        /// The last zoom of tiles that were made beforehand.
+        deepest: Option<u8>,
         /// The part that is found, where not all is.
         progress: Option<f64>,
     },
@@ -121,7 +124,10 @@ fn tilejson(scene: &SceneMetadata, shown: &Shown, name: &str, base: &str) -> Til
     // Across the antimeridian the eastern edge is counted on.
     let width_deg = if west > east { east + 360.0 - west } else { east - west };
     let centre_deg = (west + 0.5 * width_deg + 180.0).rem_euclid(360.0) - 180.0;
-    let maxzoom = finest_zoom(scene, matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. }));
+    let maxzoom = match shown {
+        Shown::Brightness { deepest: Some(deepest), .. } => *deepest,
+        _ => finest_zoom(scene, matches!(shown, Shown::Scene { layer: TileLayer::Elevation, .. })),
+    };
     let illustrative = scene.illustrative;
     let given = |query: &Option<String>| query.clone().unwrap_or_default();
     let (description, query, version, unit, range) = match shown {

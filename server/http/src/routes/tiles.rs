@@ -294,7 +294,7 @@ async fn influence_tile(
     drawn_once(state, &caching, draw).await
 }
 
-/// All tiles of one map are cut from one computation.
+/// All tiles of one map are cut from one computation, or come from one file.
 async fn brightness_tile(
     asked: &Asked<'_>,
     id: SceneId,
@@ -302,7 +302,7 @@ async fn brightness_tile(
 ) -> Result<Response<Body>, ApiError> {
     let &Asked { state, address, .. } = asked;
     let prepared = PreparedBrightness::prepare(state, brightness(query, id, state.source.facts())?).await?;
-    let caching = asked.caching(&prepared.key, "brightness")?;
+    let caching = asked.caching(&prepared.tiles_key(), "brightness")?;
     if let Some(response) = asked.not_modified(&caching) {
         return Ok(response);
     }
@@ -310,13 +310,18 @@ async fn brightness_tile(
         // Nobody is to wait seconds to be told so.
         return Err(ApiError::App(AppError::UnknownTile { reason: "there is no such tile".to_owned() }));
     }
+    let request = prepared.request();
+    let seen = (request.measure, request.light, request.cloud_base_m, &request.response);
+    let notes = Notes::new(&brightness_description(seen, prepared.view().metadata().illustrative), "");
+    if let Some(atlas) = prepared.atlas.clone() {
+        let draw = move |_: &dyn SkySource| {
+            let Address { place, size_px } = address;
+            Ok(atlas.tile(place, size_px, &notes)?)
+        };
+        return drawn_once(state, &caching, state.blocking(draw)).await;
+    }
     let draw = async {
         let map = prepared.find(state).await?;
-        let description = brightness_description(
-            (map.measure, map.light, map.cloud_base_m, &map.response),
-            map.scene().illustrative,
-        );
-        let notes = Notes::new(&description, "");
         let draw = move |_: &dyn SkySource| {
             let Address { place, size_px } = address;
             let tile = map.tile(place, size_px).map_err(AppError::from)?;

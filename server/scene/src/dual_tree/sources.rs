@@ -85,10 +85,9 @@ impl SumOf {
         blocking: f32,
         towards: Vec2,
     ) -> f32 {
-        let all = kernel.at(altitude, ring, offset_m, blocking, towards);
         match self {
-            Self::All => all,
-            Self::Hidden => all - kernel.at(altitude, ring, offset_m, 0.0, towards),
+            Self::All => kernel.at(altitude, ring, offset_m, blocking, towards),
+            Self::Hidden => kernel.hidden(altitude, ring, offset_m, blocking, towards),
         }
     }
 }

@@ -251,13 +251,8 @@ impl PixelStatistics {
         }
         // As stored: the unit that was taken may be the wrong one.
         let stored = mean / mosaic.first().unit.map_or(1.0, RadianceUnit::nw_cm2_sr);
-        let advice = match RadianceUnit::of_lit_mean(stored) {
-            Some(unit) => format!(
-                "; in {} their mean would be {:.2} nW cm-2 sr-1, as light on Earth is: give --units {}",
-                unit.name(),
-                stored * unit.nw_cm2_sr(),
-                unit.name()
-            ),
+        let advice = match RadianceUnit::advice(stored) {
+            Some(units) => format!(": {units}; give its --units, or a --scale"),
             None => "; give its --units or --scale".to_owned(),
         };
         Err(format!(
@@ -359,8 +354,8 @@ impl PixelStatistics {
         }
         let mean = self.sum / self.lit.count.max(1) as f64;
         if mean < LOW_LIT_MEAN_NW_CM2_SR {
-            let unit = RadianceUnit::of_lit_mean(mean);
-            let other = unit.map_or(String::new(), |unit| format!(", {} perhaps (--units {0})", unit.name()));
+            let other =
+                RadianceUnit::advice(mean).map_or(String::new(), |units| format!(": {units} (--units)"));
             warnings.push(format!(
                 "the mean of the lit pixels is {mean:e} nW cm-2 sr-1, darker than the noise of the satellites: the unit is suspicious{other}"
             ));

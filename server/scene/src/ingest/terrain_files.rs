@@ -178,14 +178,18 @@ fn vertical_unit(crs: &SpatialRef) -> Option<(String, f64)> {
 }
 
 /// Sets the altitude of each lit pixel and reports how much of it is known.
+///
+/// # Errors
+/// [`SceneError::Refused`] where terrain was given and no light lies on it or near: it is of another region.
 pub(super) fn set_altitudes(
     files: &TerrainFiles,
     light: &mut RadianceRaster,
+    options: &IngestOptions,
     progress: &mut dyn FnMut(IngestProgress),
-) {
+) -> Result<(), SceneError> {
     if files.terrain.is_empty() {
         light.report.warnings.push("there is no terrain: all lights are taken at sea level".to_owned());
-        return;
+        return Ok(());
     }
     let mut report = files.report.clone();
     for unit in &report.units {
@@ -219,6 +223,13 @@ pub(super) fn set_altitudes(
     report.nearest = nearest.finish(&light.grid);
     report.missing = missing.finish(&light.grid);
     let lit = total.max(1) as u64;
+    if report.missing.count == lit
+        && let Some(path) = options.terrain.first()
+    {
+        let reason = "the terrain knows nothing of the ground below the lights, within 5 km of any: it lies elsewhere, or is void; give that of the region, or \
+                      none and all lights are taken at sea level";
+        return Err(SceneError::Refused { path: path.clone(), reason: reason.to_owned() });
+    }
     if report.missing.count * MISSING_SHARE > lit {
         light.report.warnings.push(format!(
             "{} of {lit} lit pixels have no terrain within 5 km and are taken at sea level",
@@ -226,4 +237,5 @@ pub(super) fn set_altitudes(
         ));
     }
     light.report.terrain = Some(report);
+    Ok(())
 }

@@ -23,6 +23,9 @@ pub enum RadianceUnit {
 /// Mean of the lit pixels of any real raster, nW cm⁻² sr⁻¹: from the dimmest countryside to a city cut out by itself.
 const PLAUSIBLE_LIT_MEAN_NW_CM2_SR: std::ops::RangeInclusive<f64> = 0.05..=2_000.0;
 
+/// That of a region, as it mostly is.
+const USUAL_LIT_MEAN_NW_CM2_SR: f64 = 5.0;
+
 impl RadianceUnit {
     /// All of them, the most usual first.
     pub const ALL: [Self; 6] = [
@@ -95,9 +98,23 @@ impl RadianceUnit {
         }
     }
 
-    /// The unit in which numbers with this mean of the lit would be radiances of the Earth at night.
-    pub(super) fn of_lit_mean(mean: f64) -> Option<Self> {
-        Self::ALL.into_iter().find(|unit| PLAUSIBLE_LIT_MEAN_NW_CM2_SR.contains(&(mean * unit.nw_cm2_sr())))
+    /// The units in which numbers with this mean of the lit would be radiances of the Earth at night, in words, the likeliest first;
+    /// None where there is none.
+    pub(super) fn advice(mean: f64) -> Option<String> {
+        let in_nw = |unit: Self| mean * unit.nw_cm2_sr();
+        let mut units: Vec<Self> = (Self::ALL.into_iter())
+            .filter(|unit| PLAUSIBLE_LIT_MEAN_NW_CM2_SR.contains(&in_nw(*unit)))
+            .collect();
+        let unlikely = |unit: Self| (in_nw(unit) / USUAL_LIT_MEAN_NW_CM2_SR).ln().abs();
+        units.sort_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b)));
+        let each: Vec<String> =
+            units.iter().map(|unit| format!("{:.2} nW cm-2 sr-1 in {}", in_nw(*unit), unit.name())).collect();
+        (!each.is_empty()).then(|| {
+            format!(
+                "it would be {}, and that of a region is around {USUAL_LIT_MEAN_NW_CM2_SR}",
+                each.join(", ")
+            )
+        })
     }
 }
 
@@ -181,17 +198,22 @@ mod tests {
         }
     }
 
-    /// The unit that is advised makes the mean a radiance of the Earth at night.
+    /// The likeliest unit comes first, and every one that makes the mean a radiance of the Earth at night is named.
     #[test]
     fn advised_units_give_plausible_means() {
         use RadianceUnit as U;
         for mean_nw in [0.3, 3.0, 30.0] {
-            for unit in [U::WattPerSquareMetreSteradian, U::WattPerSquareCentimetreSteradian] {
-                assert_eq!(U::of_lit_mean(mean_nw / unit.nw_cm2_sr()), Some(unit), "{mean_nw}");
+            for unit in U::ALL {
+                let advice = U::advice(mean_nw / unit.nw_cm2_sr()).unwrap();
+                assert!(
+                    advice.contains(&format!("{mean_nw:.2} nW cm-2 sr-1 in {}", unit.name())),
+                    "{advice}"
+                );
             }
-            assert_eq!(U::of_lit_mean(mean_nw), Some(U::NanowattPerSquareCentimetreSteradian));
         }
-        assert_eq!(U::of_lit_mean(1e-30), None);
+        let advice = U::advice(6.46e-3).unwrap();
+        assert!(advice.starts_with("it would be 6.46 nW cm-2 sr-1 in uw-cm2-sr, 0.65"), "{advice}");
+        assert_eq!(U::advice(1e-30), None);
     }
 
     #[test]

@@ -62,6 +62,10 @@ export const server: ServerWords = {
     ["is not allowed", "ist nicht erlaubt"],
     ["excludes another parameter given", "verträgt sich nicht mit einer anderen Angabe"],
     ["is out of range", "liegt außerhalb des Bereichs"],
+    [
+      "is out of range: `skyglow precompute --turbidity {} --cloud-base {}` makes a pack for it",
+      "liegt außerhalb des Bereichs: `skyglow precompute --turbidity {} --cloud-base {}` macht die Tabelle dafür",
+    ],
     ["needs tables that are not resident", "braucht Tabellen, die dieser Server nicht hat"],
     ["is not a number", "ist keine Zahl"],
     ["is not a whole number", "ist keine ganze Zahl"],

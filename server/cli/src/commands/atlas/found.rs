@@ -25,4 +25,6 @@ pub(super) struct Found {
     pub(super) colour_range: (f64, f64),
     /// JSON.
     pub(super) assumptions: String,
+    /// Of a map of brightness: its key and its parameters, by which a server knows its tiles.
+    pub(super) asked: Option<[String; 2]>,
 }

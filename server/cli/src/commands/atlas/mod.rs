@@ -18,7 +18,7 @@ use clap::Args;
 use skyglow_app::{
     answers::{BrightnessAssumptions, brightness_shows},
     facts::SourceFacts,
-    fingerprint::brightness_key,
+    fingerprint::{atlas_key, brightness_key},
     map_part::{check_part, window_within},
     parameters::BrightnessParameters,
     request,
@@ -156,6 +156,7 @@ impl Atlas {
         let view = source.view(&request.scene, request.scenario.as_ref()).map_err(failure)?;
         // A key knows the program too: another one's numbers are not gone on with.
         let key = brightness_key(&request, view.version(), source.facts()).map_err(failure)?;
+        let atlas_key = atlas_key(&request, view.version(), source.facts()).map_err(failure)?;
         let window = self.window(&request, &view)?;
         let store = PartStore { file: PartFile::open(part, &key)?, stages };
         if request.terrain_hides {
@@ -175,6 +176,7 @@ impl Atlas {
             unit: map.unit(),
             description: brightness_shows(map.measure, map.light, map.cloud_base_m, &map.response),
             colour_range: map.colour_range(),
+            asked: Some([atlas_key, self.query.query().to_owned()]),
             assumptions: serde_json::to_string(&assumptions).map_err(Failure::work)?,
             places: map.into_places(),
         })
@@ -232,7 +234,15 @@ impl Atlas {
         });
         let colour_range = RADIANCE_RANGE_NW_CM2_SR;
         let (unit, description) = (unit.to_owned(), description.to_owned());
-        Ok(Found { places, unit, description, colour_range, assumptions: assumptions.to_string(), scene })
+        Ok(Found {
+            places,
+            unit,
+            description,
+            colour_range,
+            assumptions: assumptions.to_string(),
+            asked: None,
+            scene,
+        })
     }
 
     fn write_raster(&self, found: &Found) -> Result<(), Failure> {

@@ -3,6 +3,7 @@
 use super::found::{Found, MapLayer};
 use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileId, TileType};
+use skyglow_app::fingerprint::{ATLAS_KEY, ATLAS_QUERY};
 use skyglow_display::{
     Notes, notes,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
@@ -34,12 +35,17 @@ pub(super) fn write(
     let [west, south, east, north] = metadata.bounds;
     let description =
         notes::description(format!("{}, {}", found.description, found.unit), metadata.illustrative);
-    let document = serde_json::json!({
+    let mut document = serde_json::json!({
         "name": format!("{}: {}", metadata.title, found.description),
         "description": description,
         "attribution": metadata.attribution,
         "assumptions": found.assumptions,
+        "scene": metadata.id,
     });
+    if let Some([key, query]) = &found.asked {
+        document[ATLAS_KEY] = key.as_str().into();
+        document[ATLAS_QUERY] = query.as_str().into();
+    }
     let unfinished = path.with_extension("unfinished");
     let failure = |error: std::io::Error| Failure::file(path, error);
     // Across the antimeridian all longitudes are there.

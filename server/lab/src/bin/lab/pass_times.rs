@@ -86,6 +86,10 @@ fn measure(engine: &Arc<Engine>, lit_cells: usize, turbidity: f64, batch: usize,
             }
         }
     }
+    if whole.is_empty() {
+        println!("T = {turbidity}, batch {batch}: in no round were all requests rendered together");
+        return Ok(());
+    }
     let at = |values: &mut Vec<f64>, share: f64| {
         values.sort_by(f64::total_cmp);
         values.get((share * values.len() as f64) as usize).copied().unwrap_or(f64::NAN)

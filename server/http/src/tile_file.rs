@@ -1,0 +1,189 @@
+//! Map tiles in one file (PMTiles, version 3) on disk or in an object store, read tile by tile.
+
+use crate::kept_store::{KeptStore, KeptStoreError};
+use axum::body::Bytes;
+use futures_util::FutureExt;
+use pmtiles::{
+    AsyncBackend, AsyncPmTilesReader, BackendResponse, DirEntry, Directory, DirectoryCache, Header, PmtError,
+    PmtResult, TileCoord, TileId,
+};
+use serde_json::Value;
+use std::{
+    collections::HashMap,
+    fs::File,
+    future::Future,
+    io::Error,
+    os::unix::fs::{FileExt, MetadataExt},
+    path::Path,
+    sync::{Arc, PoisonError, RwLock},
+};
+use thiserror::Error;
+
+/// Directories, metadata and tiles of real files have some megabytes at most.
+const MAX_PART_BYTES: usize = 64 << 20;
+/// Directories that are kept at once: some thousand tiles each.
+const MAX_DIRECTORIES: usize = 64;
+
+/// Why tiles cannot be read.
+#[derive(Debug, Error)]
+pub enum TileFileError {
+    /// It cannot be opened.
+    #[error("{0}")]
+    Io(#[from] Error),
+    /// Its store cannot be had.
+    #[error("{0}")]
+    Store(#[from] KeptStoreError),
+    /// It is no PMTiles file, or a broken one.
+    #[error("it is no sound PMTiles file of version 3: {0}")]
+    Unreadable(PmtError),
+}
+
+impl From<PmtError> for TileFileError {
+    fn from(error: PmtError) -> Self {
+        match error {
+            PmtError::Reading(error) => Self::Io(error),
+            error => Self::Unreadable(error),
+        }
+    }
+}
+
+/// A file of tiles.
+pub(crate) struct TileFile {
+    reader: AsyncPmTilesReader<Parts, Directories>,
+    pub(crate) metadata: Value,
+    /// What tells it from what was or will be at its address.
+    pub(crate) version: String,
+}
+
+impl TileFile {
+    /// Opens a file on disk.
+    ///
+    /// # Errors
+    /// [`TileFileError`] for what is no PMTiles file.
+    pub(crate) fn open(path: &Path) -> Result<Self, TileFileError> {
+        Self::of_parts(Parts::File(File::open(path)?))
+    }
+
+    /// Opens a file at an address: a path, or as [`KeptStore`] has them with the name of the file behind.
+    ///
+    /// # Errors
+    /// As [`Self::open`], and [`TileFileError::Store`].
+    pub(crate) fn open_at(address: &str) -> Result<Self, TileFileError> {
+        if !address.contains("://") {
+            return Self::open(Path::new(address));
+        }
+        let bad = || KeptStoreError::BadAddress { address: address.to_owned() };
+        let (folder, name) = address.rsplit_once('/').filter(|(_, name)| !name.is_empty()).ok_or_else(bad)?;
+        let store = Arc::new(KeptStore::of_environment(folder)?);
+        Self::of_parts(Parts::Object { store, name: name.to_owned() })
+    }
+
+    fn of_parts(parts: Parts) -> Result<Self, TileFileError> {
+        let version = parts.version()?;
+        let reader = at_once(AsyncPmTilesReader::try_from_cached_source(parts, Directories::default()))?;
+        let metadata = serde_json::from_str(&at_once(reader.get_metadata())?).unwrap_or_default();
+        Ok(Self { reader, metadata, version })
+    }
+
+    pub(crate) fn header(&self) -> &Header {
+        self.reader.get_header()
+    }
+
+    pub(crate) fn zooms(&self) -> (u8, u8) {
+        (self.header().min_zoom, self.header().max_zoom)
+    }
+
+    /// The bytes of a tile; None where there is none.
+    ///
+    /// # Errors
+    /// [`TileFileError`] for a file that has changed or is broken, or whose store is away.
+    pub(crate) fn tile(&self, z: u8, x: u32, y: u32) -> Result<Option<Bytes>, TileFileError> {
+        let Ok(coord) = TileCoord::new(z, x, y) else { return Ok(None) };
+        Ok(at_once(self.reader.get_tile(coord))?)
+    }
+}
+
+/// Reads parts of a file at once: what waits for them never waits.
+enum Parts {
+    File(File),
+    Object { store: Arc<KeptStore>, name: String },
+}
+
+impl Parts {
+    fn version(&self) -> PmtResult<String> {
+        match self {
+            Self::File(file) => {
+                let metadata = file.metadata()?;
+                Ok(format!("{} bytes of {}.{}", metadata.len(), metadata.mtime(), metadata.mtime_nsec()))
+            }
+            Self::Object { store, name } => Ok(read_object(store, name, (0, 1))?.1.unwrap_or_default()),
+        }
+    }
+}
+
+/// Bytes of an object, and what tells its version.
+fn read_object(store: &KeptStore, name: &str, part: (u64, usize)) -> Result<(Bytes, Option<String>), Error> {
+    let missing = || Error::new(std::io::ErrorKind::NotFound, format!("{name} is not in its store"));
+    store.part(name, part).map_err(Error::other)?.ok_or_else(missing)
+}
+
+impl AsyncBackend for Parts {
+    async fn read(&self, offset: u64, length: usize) -> PmtResult<BackendResponse> {
+        if length > MAX_PART_BYTES {
+            return Err(PmtError::InvalidEntry);
+        }
+        match self {
+            Self::File(file) => {
+                let mut bytes = vec![0; length];
+                let mut filled = 0;
+                while filled < length {
+                    match file.read_at(&mut bytes[filled..], offset.saturating_add(filled as u64))? {
+                        0 => break,
+                        more => filled += more,
+                    }
+                }
+                bytes.truncate(filled);
+                Ok(BackendResponse::new(bytes.into()))
+            }
+            Self::Object { store, name } => {
+                let (bytes, data_version_string) = read_object(store, name, (offset, length))?;
+                Ok(BackendResponse { bytes, data_version_string })
+            }
+        }
+    }
+}
+
+/// The directories of a file that were read lately.
+#[derive(Default)]
+struct Directories(RwLock<HashMap<u64, Directory>>);
+
+impl DirectoryCache for Directories {
+    async fn get_dir_entry_or_insert(
+        &self,
+        offset: u64,
+        tile: TileId,
+        fetch: impl Future<Output = PmtResult<Directory>> + Send,
+    ) -> PmtResult<Option<DirEntry>> {
+        let known = {
+            let directories = self.0.read().unwrap_or_else(PoisonError::into_inner);
+            directories.get(&offset).map(|directory| directory.find_tile_id(tile).copied())
+        };
+        if let Some(entry) = known {
+            return Ok(entry);
+        }
+        let directory = fetch.await?;
+        let entry = directory.find_tile_id(tile).copied();
+        let mut directories = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        if directories.len() >= MAX_DIRECTORIES {
+            directories.clear();
+        }
+        directories.insert(offset, directory);
+        Ok(entry)
+    }
+}
+
+/// What comes without waiting, as all that [`Parts`] reads does.
+fn at_once<T>(reading: impl Future<Output = PmtResult<T>>) -> PmtResult<T> {
+    let waiting = || PmtError::Reading(std::io::ErrorKind::WouldBlock.into());
+    reading.now_or_never().unwrap_or_else(|| Err(waiting()))
+}
