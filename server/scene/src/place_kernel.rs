@@ -248,8 +248,10 @@ impl PlaceKernel {
         blocking: f32,
         towards: Vec2,
     ) -> f32 {
-        let of_blockings = self.of_blockings(blocking);
-        self.sum_of_parts(altitude, ring, offset_m, towards, &of_blockings)
+        match self.blocking_count {
+            1 => self.sum_of_parts(altitude, ring, offset_m, towards, &|values: &[f32; 1]| values[0]),
+            _ => self.sum_of_parts(altitude, ring, offset_m, towards, &between_blockings(blocking)),
+        }
     }
 
     /// What a skyline takes from that: at most 0 where no azimuth counts.
@@ -262,30 +264,21 @@ impl PlaceKernel {
         blocking: f32,
         towards: Vec2,
     ) -> f32 {
-        if blocking <= 0.0 {
+        if blocking <= 0.0 || self.blocking_count == 1 {
             return 0.0;
         }
-        let of_blockings = self.of_blockings(blocking);
-        self.sum_of_parts(altitude, ring, offset_m, towards, &|values| of_blockings(values) - values[0])
-    }
-
-    /// Linear between the values of blocking angles.
-    #[inline(always)]
-    fn of_blockings(&self, blocking: f32) -> impl Fn(&[f32]) -> f32 + use<> {
-        let lower = (blocking as usize).min(self.blocking_count.saturating_sub(2));
-        let along = if self.blocking_count == 1 { 0.0 } else { blocking - lower as f32 };
-        let upper = lower + usize::from(self.blocking_count > 1);
-        move |values| values[lower] + along * (values[upper] - values[lower])
+        let behind = between_blockings(blocking);
+        self.sum_of_parts(altitude, ring, offset_m, towards, &|values| behind(values) - values[0])
     }
 
     #[inline(always)]
-    fn sum_of_parts(
+    fn sum_of_parts<const BLOCKINGS: usize>(
         &self,
         altitude: usize,
         ring: RingPosition,
         offset_m: f32,
         towards: Vec2,
-        of_blockings: &impl Fn(&[f32]) -> f32,
+        of_blockings: &impl Fn(&[f32; BLOCKINGS]) -> f32,
     ) -> f32 {
         let Some((first, others)) = self.parts.split_first() else { return 0.0 };
         let mut sum =
@@ -299,34 +292,45 @@ impl PlaceKernel {
     /// A part by its number at a ring, under an open sky, whatever the azimuth.
     pub(crate) fn on_ring(&self, part: usize, altitude: usize, ring: usize, offset_m: f32) -> f32 {
         let part = self.parts.get(part);
-        part.map_or(0.0, |part| {
-            self.of_part(part, altitude, RingPosition::node(ring), offset_m, &self.of_blockings(0.0))
+        let ring = RingPosition::node(ring);
+        part.map_or(0.0, |part| match self.blocking_count {
+            1 => self.of_part(part, altitude, ring, offset_m, &|values: &[f32; 1]| values[0]),
+            _ => self.of_part(part, altitude, ring, offset_m, &|values: &[f32; BLOCKING_COUNT]| values[0]),
         })
     }
 
     /// Linear between heights and rings.
     ///
-    /// * `of_blockings`: of the values of all blocking angles.
+    /// * `of_blockings`: of the values of all blocking angles, of which there are `BLOCKINGS`.
     #[inline(always)]
-    fn of_part(
+    fn of_part<const BLOCKINGS: usize>(
         &self,
         part: &Part,
         altitude: usize,
         ring: RingPosition,
         offset_m: f32,
-        of_blockings: &impl Fn(&[f32]) -> f32,
+        of_blockings: &impl Fn(&[f32; BLOCKINGS]) -> f32,
     ) -> f32 {
         let (below, up) = self.offsets.position(offset_m);
-        let count = self.blocking_count;
         let of_ring = |ring: usize| {
-            let start = ((altitude * RING_COUNT + ring) * self.offsets.count + below) * count;
-            let (low, high) = part.values[start..start + 2 * count].split_at(count);
+            let start = ((altitude * RING_COUNT + ring) * self.offsets.count + below) * BLOCKINGS;
+            let [low, high] = &part.values[start..start + 2 * BLOCKINGS].as_chunks::<BLOCKINGS>().0 else {
+                return 0.0;
+            };
             let (low, high) = (of_blockings(low), of_blockings(high));
             low + up * (high - low)
         };
         let (near, far) = (of_ring(ring.ring), of_ring(ring.ring + 1));
         near + ring.out * (far - near)
     }
+}
+
+/// Linear between the values of blocking angles.
+#[inline(always)]
+fn between_blockings(blocking: f32) -> impl Fn(&[f32; BLOCKING_COUNT]) -> f32 {
+    let lower = (blocking as usize).min(BLOCKING_COUNT - 2);
+    let along = blocking - lower as f32;
+    move |values| values[lower] + along * (values[lower + 1] - values[lower])
 }
 
 #[cfg(test)]
