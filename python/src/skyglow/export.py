@@ -9,7 +9,9 @@ Needs ``pip install 'skyglow[export]'``, and for the colours of PMTiles ``skyglo
 from __future__ import annotations
 
 import dataclasses
+import json
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -173,12 +175,18 @@ def pmtiles(
     """
     try:
         import skyglow_engine
-        from pmtiles.tile import Compression, TileType, zxy_to_tileid
+        from pmtiles.tile import Compression, TileType, tileid_to_zxy, zxy_to_tileid
         from pmtiles.writer import Writer
     except ModuleNotFoundError as error:
         raise ImportError(f"PMTiles need {error.name}: pip install 'skyglow[export]' and skyglow-engine") from error
     chart, path = baked(where, store), Path(out)
-    deepest = _deepest_zoom(chart.grid) if max_zoom is None else max_zoom
+    whole_zoom = _deepest_zoom(chart.grid)
+    deepest = whole_zoom if max_zoom is None else max_zoom
+    # Before its tiles are drawn: workers may still be at it.
+    is_shown = deepest >= whole_zoom and chart.shards.is_whole()
+    if not is_shown:
+        why = "shards are missing" if deepest >= whole_zoom else f"its places want zoom {whole_zoom}"
+        warnings.warn(f"servers do not show {path} in place of a map of their own: {why}", stacklevel=2)
     pyramid = _Pyramid(chart, deepest, progress)
     low, high = chart.values.attrs["colour_range"]
     description = f"{chart.shows}, {chart.unit}"
@@ -198,7 +206,9 @@ def pmtiles(
             raise SkyglowError(f"{where} has nothing to show yet")
         writer: Any = Writer(file)  # type: ignore[no-untyped-call]
         # In the archive's order, so that parts of it can be extracted.
-        for tile, start, length in sorted(index):
+        in_order = sorted(index)
+        zooms = [tileid_to_zxy(tile)[0] for tile, _, _ in (in_order[0], in_order[-1])]
+        for tile, start, length in in_order:
             spool.seek(start)
             writer.write_tile(tile, spool.read(length))
         west, south, east, north = pyramid.bounds
@@ -220,8 +230,10 @@ def pmtiles(
             "assumptions": chart.about["assumptions"],
             "scene": chart.about["scene"],
         }
-        if chart.shards.is_whole():
+        if is_shown:
             about |= {name: chart.about[name] for name in (ATLAS_KEY, ATLAS_QUERY) if name in chart.about}
+            about["atlas_step"] = json.loads(chart.about["assumptions"])["step_pixels"]
+            about["atlas_extent"] = [west, south, east, north, *zooms]
         writer.finalize(header, about)
     unfinished.rename(path)
     return path

@@ -64,6 +64,12 @@ pub enum AppError {
         /// What happened, for the log.
         reason: String,
     },
+    /// The file of a map that was made beforehand cannot be read.
+    #[error("this map was made beforehand, and its file cannot be read now; try again in a minute")]
+    AtlasAway {
+        /// What happened, for the log.
+        reason: String,
+    },
     /// A scene that takes more memory than this server has for one.
     #[error("{reason}")]
     SceneTooLarge {

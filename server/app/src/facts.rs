@@ -20,9 +20,19 @@ pub struct KindFacts {
     pub ground_albedo: Option<f64>,
     /// Why sources behind skylines count as under an open sky; None where they do not.
     pub why_open: Option<&'static str>,
+    /// Checksums of these packs, one after another.
+    pub checksums: String,
 }
 
 impl KindFacts {
+    /// What makes the pack under clouds that a turbidity needs; None under a clear sky, where the range is as wide as the model's.
+    pub fn missing_turbidity(&self, turbidity: f64) -> Option<String> {
+        let base_m = self.cloud_base_m()?;
+        Some(format!(
+            "is out of range: `skyglow precompute --turbidity {turbidity} --cloud-base {base_m}` makes a pack for it"
+        ))
+    }
+
     /// Whether a turbidity is served.
     pub fn serves(&self, turbidity: f64) -> bool {
         let (least, most) = self.turbidity_range;

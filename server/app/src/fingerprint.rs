@@ -2,7 +2,7 @@
 
 use crate::{error::AppError, facts::SourceFacts};
 use serde::Serialize;
-use skyglow_observatory::{BrightnessRequest, SkyRequest};
+use skyglow_observatory::{BrightnessRequest, MapLight, SkyRequest};
 use std::sync::LazyLock;
 
 /// What tells this build of the program from any other: the hash of its executable, for a change in how something
@@ -76,12 +76,17 @@ pub fn brightness_content(
     hash_of(version, &("brightness", request, scene_version, &facts.pack_checksums))
 }
 
-/// Where the metadata of an atlas (PMTiles) has its key, and the parameters that it was made with.
+/// Where the metadata of an atlas (PMTiles) has its key.
 pub const ATLAS_KEY: &str = "atlas_key";
-/// See [`ATLAS_KEY`].
+/// Where it has the parameters that it was made with.
 pub const ATLAS_QUERY: &str = "atlas_query";
+/// Where it has the pixels of the scene from one place to the next.
+pub const ATLAS_STEP: &str = "atlas_step";
+/// Where it has west, south, east and north and the least and the greatest zoom of the file when it was whole: what is cut out of it has others.
+pub const ATLAS_EXTENT: &str = "atlas_extent";
 
-/// What decides what a map shows, of however many places it is: an atlas with this key has what a server would compute, or finer.
+/// What decides what a map shows, of however many places it is: the request, the scene's version, the packs that it is made with, and the
+/// version of the program.
 ///
 /// # Errors
 /// As [`canonical_bytes`].
@@ -90,7 +95,14 @@ pub fn atlas_key(
     scene_version: &str,
     facts: &SourceFacts,
 ) -> Result<String, AppError> {
-    brightness_content(&BrightnessRequest { max_places: 0, ..request.clone() }, scene_version, facts)
+    let kind = facts.kinds_under(request.cloud_base_m).find(|kind| kind.scattering == request.scattering);
+    let packs = match request.light {
+        MapLight::Artificial => kind.map_or("", |kind| kind.checksums.as_str()),
+        // The natural sky has tables of its own.
+        MapLight::Total(_) => facts.pack_checksums.as_str(),
+    };
+    let of_any_size = BrightnessRequest { max_places: 0, ..request.clone() };
+    hash_of(env!("CARGO_PKG_VERSION"), &("atlas", of_any_size, scene_version, packs))
 }
 
 #[cfg(test)]

@@ -104,6 +104,12 @@ fn kind_facts(resident: &ResidentKind, manifests: &[Manifest]) -> KindFacts {
             None => "the resident table packs know no skylines: make them again with `skyglow precompute`",
             Some(_) => "under clouds table packs know no skylines",
         }),
+        checksums: manifests
+            .iter()
+            .filter(|manifest| PackKind::of_manifest(manifest) == resident.kind)
+            .map(|manifest| manifest.checksum.as_str())
+            .collect::<Vec<_>>()
+            .join(" "),
     }
 }
 

@@ -38,7 +38,9 @@ impl AppError {
             Self::NotOwner { .. } => kind("not-owner", "The scenario or plan is somebody else's"),
             Self::PinsFull => kind("pins-full", "No more can be pinned"),
             Self::Storage { .. } => kind("storage", "The server cannot keep this now"),
-            Self::StoreAway { .. } => kind("store-away", "What is kept cannot be reached now"),
+            Self::StoreAway { .. } | Self::AtlasAway { .. } => {
+                kind("store-away", "What is kept cannot be reached now")
+            }
             Self::SceneTooLarge { .. } => {
                 kind("scene-too-large", "The scene takes more memory than there is")
             }

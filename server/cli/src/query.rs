@@ -84,6 +84,7 @@ fn widest_facts() -> SourceFacts {
         basis_count: MAX_BASIS_FUNCTIONS as usize,
         ground_albedo: None,
         why_open: None,
+        checksums: String::new(),
     };
     SourceFacts {
         executor: "reference".to_owned(),
@@ -162,6 +163,7 @@ fn kind_facts(manifests: &[Manifest], sky: Option<u32>, scattering: Scattering) 
         ground_albedo: first.ground_albedo,
         // No parameter asks for it; a sky says what the packs really know.
         why_open: None,
+        checksums: String::new(),
     };
     for pack in packs {
         let (least, most) = facts.turbidity_range;
@@ -261,6 +263,7 @@ mod tests {
             basis_count,
             ground_albedo,
             why_open: None,
+            checksums: String::new(),
         };
         let facts = facts_of_packs(folder.path());
         // Packs under clouds end below them, and keep nobody under a clear sky from standing higher.

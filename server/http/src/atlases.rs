@@ -6,10 +6,10 @@ use crate::{
     tile_file::{TileFile, TileFileError},
 };
 use axum::body::Bytes;
-use pmtiles::TileType;
+use pmtiles::{Compression, TileType};
 use skyglow_app::{
     error::AppError,
-    fingerprint::{ATLAS_KEY, ATLAS_QUERY, atlas_key},
+    fingerprint::{ATLAS_EXTENT, ATLAS_KEY, ATLAS_QUERY, ATLAS_STEP, atlas_key},
     request::{brightness, scene_id},
     source::SkySource,
 };
@@ -27,8 +27,17 @@ use thiserror::Error;
 /// How often it is looked for atlases that were made anew.
 const LOOK_EVERY: Duration = Duration::from_secs(60);
 
+/// Why a file is not what the server would compute.
+const NOT_CURRENT: &str = "its scene has changed since, or it was made with other packs or by another version of Skyglow, or it is coarser than what \
+                           this server computes; make it anew";
 /// Pixels a side of its tiles.
 const TILE_PX: u32 = 256;
+/// Tiles that are read at a time: a store that hangs is to keep no more threads from other work.
+pub(crate) const READS: usize = 4;
+/// Degrees that an edge may differ by.
+const EDGE_DEG: f64 = 1e-4;
+/// Begins every PNG.
+const PNG: &[u8] = b"\x89PNG";
 
 /// Why a file is no atlas, or a tile of it cannot be had.
 #[derive(Debug, Error)]
@@ -37,12 +46,15 @@ pub enum AtlasError {
     #[error(transparent)]
     File(#[from] TileFileError),
     /// It holds other tiles.
-    #[error("it is no file of PNG tiles")]
+    #[error("it is no file of plain PNG tiles")]
     NoPictures,
+    /// Beyond its edges it would look as if there were no light.
+    #[error("it is a part of a map, cut out of another file")]
+    Part,
     /// Nothing says what of.
     #[error(
-        "it does not say which map it is: it is of another program, of an older Skyglow, of another layer than brightness, or of a map of which parts \
-         were missing; make it anew with skyglow atlas or skyglow.export.pmtiles"
+        "it does not say which map it is: it is of another program, of an older Skyglow, of another layer than brightness, without its last zooms, or of a map of \
+         which parts were missing; make it anew with skyglow atlas or skyglow.export.pmtiles"
     )]
     NoKey,
     /// One of its pictures is none.
@@ -53,7 +65,8 @@ pub enum AtlasError {
 impl From<AtlasError> for ApiError {
     fn from(error: AtlasError) -> Self {
         match error {
-            AtlasError::File(reason) => Self::App(AppError::StoreAway { reason: reason.to_string() }),
+            // It is opened anew within a minute.
+            AtlasError::File(reason) => Self::App(AppError::AtlasAway { reason: reason.to_string() }),
             error => Self::internal(error),
         }
     }
@@ -64,6 +77,8 @@ pub struct Atlas {
     file: TileFile,
     /// [`skyglow_app::fingerprint::atlas_key`] of what it shows.
     key: String,
+    /// Pixels of the scene from one place to the next.
+    step: u64,
 }
 
 impl fmt::Debug for Atlas {
@@ -81,26 +96,48 @@ impl Atlas {
     /// [`AtlasError`].
     pub fn open(address: &str) -> Result<Self, AtlasError> {
         let file = TileFile::open_at(address)?;
-        if file.header().tile_type != TileType::Png {
+        let header = file.header();
+        if header.tile_type != TileType::Png || header.tile_compression != Compression::None {
             return Err(AtlasError::NoPictures);
         }
-        let key = file.metadata[ATLAS_KEY].as_str().ok_or(AtlasError::NoKey)?.to_owned();
-        Ok(Self { file, key })
+        let said = |name: &str| &file.metadata[name];
+        let (Some(key), Some(step)) = (said(ATLAS_KEY).as_str(), said(ATLAS_STEP).as_u64()) else {
+            return Err(AtlasError::NoKey);
+        };
+        let found = [
+            header.min_longitude,
+            header.min_latitude,
+            header.max_longitude,
+            header.max_latitude,
+            f64::from(header.min_zoom),
+            f64::from(header.max_zoom),
+        ];
+        let is_there = |(at, found): (usize, &f64)| {
+            said(ATLAS_EXTENT)[at].as_f64().is_some_and(|said| (said - found).abs() < EDGE_DEG)
+        };
+        if !found.iter().enumerate().all(is_there) {
+            return Err(AtlasError::Part);
+        }
+        Ok(Self { key: key.to_owned(), step, file })
     }
 
     fn said(&self, name: &str) -> &str {
         self.file.metadata[name].as_str().unwrap_or_default()
     }
 
-    /// Whether it is what the source would compute now: of the same version of its scene, by the same packs and program.
-    fn is_current(&self, source: &dyn SkySource) -> bool {
-        let key = || {
-            let facts = source.facts();
-            let request = brightness(Some(self.said(ATLAS_QUERY)), scene_id(self.said("scene"))?, facts)?;
-            let view = source.view(&request.scene, request.scenario.as_ref())?;
-            Ok::<_, AppError>(atlas_key(&request, view.version(), facts)? == self.key)
-        };
-        key().unwrap_or(false)
+    /// Whether it is what the source would compute now: of the same version of its scene, by the same packs and version of the program,
+    /// and as fine.
+    fn is_current(&self, source: &dyn SkySource) -> Result<bool, AppError> {
+        let facts = source.facts();
+        let request = brightness(Some(self.said(ATLAS_QUERY)), scene_id(self.said("scene"))?, facts)?;
+        let view = source.view(&request.scene, request.scenario.as_ref())?;
+        let is_fine = self.is_as_fine_as(view.scene().place_lattice(request.max_places).step);
+        Ok(is_fine && atlas_key(&request, view.version(), facts)? == self.key)
+    }
+
+    /// Whether its places are as near to each other as those of a map with so many pixels from one to the next.
+    pub(crate) fn is_as_fine_as(&self, step: u32) -> bool {
+        self.step <= u64::from(step)
     }
 
     /// Zooms that it has tiles of.
@@ -113,40 +150,69 @@ impl Atlas {
         format!("{} {}", self.key, self.file.version)
     }
 
-    /// A tile as PNG: as it is in the file, larger than there joined of those of the next zoom, and beyond the last zoom enlarged.
+    /// Reads what a tile is made of: itself, or of a larger one those of the next zoom, or beyond the last zoom the one that it is a part of.
     ///
     /// # Errors
     /// [`AtlasError`] where the file has changed or is broken, or its store is away.
-    pub(crate) fn tile(
-        &self,
-        (z, x, y): (u8, u32, u32),
-        size_px: u32,
-        notes: &Notes,
-    ) -> Result<Bytes, AtlasError> {
+    pub(crate) fn read(&self, (z, x, y): (u8, u32, u32), size_px: u32) -> Result<TileParts, AtlasError> {
         let (_, deepest) = self.zooms();
         if size_px > TILE_PX && z < deepest {
             let mut four = Vec::new();
             for (down, right) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                four.push(self.file.tile(z + 1, 2 * x + right, 2 * y + down)?);
+                four.push(self.picture(z + 1, 2 * x + right, 2 * y + down)?);
             }
             if four.iter().any(Option::is_some) {
-                let four: Vec<Option<&[u8]>> = four.iter().map(Option::as_deref).collect();
-                return Ok(joined_tiles_png(&four, TILE_PX, notes)?.into());
+                return Ok(TileParts::Four(four));
             }
         }
         let beyond = z.saturating_sub(deepest);
-        match self.file.tile(z - beyond, x >> beyond, y >> beyond)? {
-            None => {
-                let count = (size_px * size_px) as usize;
-                let nothing = (vec![f32::NAN; count], vec![false; count]);
-                Ok(brightness_tile_png(&nothing.0, &nothing.1, size_px, (1.0, 2.0), notes)?.into())
-            }
-            Some(tile) if beyond == 0 && size_px == TILE_PX => Ok(tile),
-            Some(tile) => {
-                let inside = (1u32 << beyond) - 1;
-                Ok(enlarged_tile_png(&tile, (beyond, x & inside, y & inside), size_px, notes)?.into())
-            }
+        let inside = (1u32 << beyond) - 1;
+        Ok(match self.picture(z - beyond, x >> beyond, y >> beyond)? {
+            None => TileParts::Nothing,
+            Some(tile) if beyond == 0 && size_px == TILE_PX => TileParts::Itself(tile),
+            Some(tile) => TileParts::Part(tile, (beyond, x & inside, y & inside)),
+        })
+    }
+
+    fn picture(&self, z: u8, x: u32, y: u32) -> Result<Option<Bytes>, AtlasError> {
+        let tile = self.file.tile(z, x, y)?;
+        match tile.as_ref().is_none_or(|tile| tile.starts_with(PNG)) {
+            true => Ok(tile),
+            false => Err(AtlasError::File(TileFileError::Changed)),
         }
+    }
+}
+
+/// What a tile is made of.
+pub(crate) enum TileParts {
+    /// It is in the file.
+    Itself(Bytes),
+    /// Those of the next zoom: north-west, north-east, south-west, south-east.
+    Four(Vec<Option<Bytes>>),
+    /// One of an earlier zoom, and which part of it, as of [`enlarged_tile_png`].
+    Part(Bytes, (u8, u32, u32)),
+    Nothing,
+}
+
+impl TileParts {
+    /// The tile as PNG.
+    ///
+    /// # Errors
+    /// [`AtlasError::BrokenTile`].
+    pub(crate) fn draw(self, size_px: u32, notes: &Notes) -> Result<Vec<u8>, AtlasError> {
+        Ok(match self {
+            Self::Itself(tile) => tile.into(),
+            Self::Four(four) => {
+                let four: Vec<Option<&[u8]>> = four.iter().map(Option::as_deref).collect();
+                joined_tiles_png(&four, TILE_PX, notes)?
+            }
+            Self::Part(tile, part) => enlarged_tile_png(&tile, part, size_px, notes)?,
+            Self::Nothing => {
+                let count = (size_px * size_px) as usize;
+                let values = vec![f32::NAN; count];
+                brightness_tile_png(&values, &vec![false; count], size_px, (1.0, 2.0), notes)?
+            }
+        })
     }
 }
 
@@ -159,14 +225,14 @@ pub struct Atlases(RwLock<Vec<Slot>>);
 struct Slot {
     address: String,
     atlas: Option<Arc<Atlas>>,
-    /// Whether it could be opened the last time; what was open stays open.
-    is_there: bool,
+    /// What was last said of it.
+    told: String,
 }
 
 impl Atlases {
     /// Opens files, and looks every minute for what was made anew, until this is dropped. What cannot be opened is told and left out.
     pub(crate) fn watched(addresses: &[String], source: &Arc<dyn SkySource>) -> Arc<Self> {
-        let slot = |address: &String| Slot { address: address.clone(), atlas: None, is_there: true };
+        let slot = |address: &String| Slot { address: address.clone(), atlas: None, told: String::new() };
         let atlases = Arc::new(Self(RwLock::new(addresses.iter().map(slot).collect())));
         if !addresses.is_empty() {
             atlases.refresh(&|atlas| atlas.is_current(&**source));
@@ -182,44 +248,44 @@ impl Atlases {
         atlases
     }
 
-    fn refresh(&self, is_current: &dyn Fn(&Atlas) -> bool) {
+    fn refresh(&self, is_current: &dyn Fn(&Atlas) -> Result<bool, AppError>) {
         let mut slots = self.0.read().unwrap_or_else(PoisonError::into_inner).clone();
         for slot in &mut slots {
             let opened = Atlas::open(&slot.address);
-            let was_there = std::mem::replace(&mut slot.is_there, opened.is_ok());
-            match opened {
-                Err(reason) if was_there => tracing::error!(%reason, address = slot.address, "no atlas"),
-                Err(_) => {}
-                Ok(atlas) => {
-                    let is_known = |known: &Arc<Atlas>| known.tiles_key() == atlas.tiles_key();
-                    if !slot.atlas.as_ref().is_some_and(is_known) {
-                        tell(&atlas, &slot.address, is_current(&atlas));
-                        slot.atlas = Some(Arc::new(atlas));
+            let (is_fine, told) = match &opened {
+                Err(reason) => (false, format!("no atlas: {reason}")),
+                Ok(atlas) => match is_current(atlas) {
+                    Ok(true) => (true, format!("atlas of {}", atlas.said("name"))),
+                    Ok(false) => {
+                        (false, format!("the atlas of {} is not shown: {NOT_CURRENT}", atlas.said("name")))
                     }
+                    Err(reason) => {
+                        (false, format!("the atlas of {} is not shown: {reason}", atlas.said("name")))
+                    }
+                },
+            };
+            // What was open stays open.
+            if let Ok(atlas) = opened
+                && slot.atlas.as_ref().is_none_or(|known| known.tiles_key() != atlas.tiles_key())
+            {
+                slot.atlas = Some(Arc::new(atlas));
+            }
+            if slot.told != told {
+                match is_fine {
+                    true => tracing::info!(address = slot.address, "{told}"),
+                    false => tracing::warn!(address = slot.address, "{told}"),
                 }
+                slot.told = told;
             }
         }
         *self.0.write().unwrap_or_else(PoisonError::into_inner) = slots;
     }
 
-    /// That of a map.
+    /// That of a map, the finest where there are several.
     pub(crate) fn get(&self, key: &str) -> Option<Arc<Atlas>> {
         let slots = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        slots.iter().filter_map(|slot| slot.atlas.as_ref()).find(|atlas| atlas.key == key).cloned()
-    }
-}
-
-fn tell(atlas: &Atlas, address: &str, is_current: bool) {
-    let name = atlas.said("name");
-    if is_current {
-        tracing::info!(%address, "atlas of {name}");
-    } else {
-        tracing::warn!(
-            %address,
-            scene = atlas.said("scene"),
-            "the atlas of {name} is not shown: its scene is not here or has changed, or it was made with other packs or another version of \
-             Skyglow; make it anew"
-        );
+        let of_map = slots.iter().filter_map(|slot| slot.atlas.as_ref()).filter(|atlas| atlas.key == key);
+        of_map.min_by_key(|atlas| atlas.step).cloned()
     }
 }
 
@@ -230,11 +296,15 @@ mod tests {
     use std::path::Path;
 
     fn written(path: &Path, key: &str) {
-        let metadata = serde_json::json!({ATLAS_KEY: key}).to_string();
+        let extent = [-180.0, -85.0, 180.0, 85.0, 0.0, 0.0];
+        let metadata = serde_json::json!({ATLAS_KEY: key, ATLAS_STEP: 1, ATLAS_EXTENT: extent}).to_string();
         // Written beside it and renamed, as the program does.
         let unfinished = path.with_extension("unfinished");
         let file = std::fs::File::create(&unfinished).unwrap();
-        let mut writer = PmTilesWriter::new(TileType::Png).metadata(&metadata).create(file).unwrap();
+        let mut writer = (PmTilesWriter::new(TileType::Png).metadata(&metadata).max_zoom(0))
+            .bounds(-180.0, -85.0, 180.0, 85.0)
+            .create(file)
+            .unwrap();
         writer.add_tile(TileCoord::new(0, 0, 0).unwrap(), b"a picture").unwrap();
         writer.finalize().unwrap();
         std::fs::rename(unfinished, path).unwrap();
@@ -248,11 +318,11 @@ mod tests {
         let slot = |path: &std::path::PathBuf| Slot {
             address: path.display().to_string(),
             atlas: None,
-            is_there: true,
+            told: String::new(),
         };
         let atlases = Atlases(RwLock::new(paths.iter().map(slot).collect()));
         let keys = |keys: [&str; 3]| keys.map(|key| atlases.get(key).is_some());
-        let refresh = || atlases.refresh(&|_| true);
+        let refresh = || atlases.refresh(&|_| Ok(true));
         written(&paths[0], "a");
         refresh();
         assert_eq!(keys(["a", "b", "c"]), [true, false, false]);

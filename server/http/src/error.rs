@@ -212,7 +212,10 @@ impl ApiError {
             ) => Some((*retry_after_s).max(1)),
             ApiError::Timeout { .. } | ApiError::App(AppError::EngineDown) => Some(2),
             ApiError::App(
-                AppError::Storage { .. } | AppError::StoreAway { .. } | AppError::SceneTooLarge { .. },
+                AppError::Storage { .. }
+                | AppError::StoreAway { .. }
+                | AppError::AtlasAway { .. }
+                | AppError::SceneTooLarge { .. },
             ) => Some(60),
             _ => None,
         }
@@ -265,6 +268,7 @@ fn status_of(error: &AppError) -> StatusCode {
         AppError::DamagedScene { .. }
         | AppError::Storage { .. }
         | AppError::StoreAway { .. }
+        | AppError::AtlasAway { .. }
         | AppError::SceneTooLarge { .. }
         | AppError::SkylinesBeingFound { .. }
         | AppError::Busy { .. }
@@ -287,6 +291,9 @@ impl IntoResponse for ApiError {
             ApiError::App(AppError::Storage { reason }) => tracing::error!(%reason, "nothing can be kept"),
             ApiError::App(AppError::StoreAway { reason }) => {
                 tracing::error!(%reason, "the store of what is kept does not answer");
+            }
+            ApiError::App(AppError::AtlasAway { reason }) => {
+                tracing::error!(%reason, "an atlas cannot be read")
             }
             _ => {}
         }

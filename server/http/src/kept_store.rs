@@ -28,6 +28,8 @@ const TIMEOUT: Duration = Duration::from_secs(15);
 const MAX_RETRIES: usize = 3;
 /// How long a whole file of a scene may take.
 const FILE_TIMEOUT: Duration = Duration::from_secs(3600);
+/// How long a part of a file may take that somebody waits for.
+const PART_TIMEOUT: Duration = Duration::from_secs(5);
 /// Files are sent in parts of so many bytes.
 const PIECE_BYTES: usize = 16 << 20;
 
@@ -168,13 +170,14 @@ impl KeptStore {
         &self,
         name: &str,
         (from, count): (u64, usize),
-    ) -> Result<Option<(Bytes, Option<String>)>, StoreAway> {
+    ) -> Result<Option<(Bytes, String)>, StoreAway> {
         let (store, path) = (self.store.clone(), self.path(name));
         let range = GetRange::Bounded(from..from.saturating_add(count as u64));
-        self.ask(async move {
+        self.ask_for(PART_TIMEOUT, async move {
             let found =
                 store.get_opts(&path, GetOptions { range: Some(range), ..GetOptions::default() }).await?;
-            let version = found.meta.e_tag.clone();
+            let modified = || format!("{} {}", found.meta.size, found.meta.last_modified);
+            let version = found.meta.e_tag.clone().unwrap_or_else(modified);
             Ok((found.bytes().await?, version))
         })
     }

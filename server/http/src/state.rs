@@ -3,7 +3,7 @@
 use crate::{
     access::Access,
     asker::{self, Asker},
-    atlases::Atlases,
+    atlases::{Atlases, READS},
     basemap::{Basemap, BasemapError},
     budget::Budget,
     config::HttpConfig,
@@ -77,6 +77,8 @@ pub struct SharedState {
     pub(crate) basemap: Option<Arc<Basemap>>,
     /// Maps that were made beforehand.
     pub(crate) atlases: Arc<Atlases>,
+    /// Permits to read their tiles.
+    pub(crate) atlas_reads: Arc<Semaphore>,
     /// The OpenAPI document, set once when the routes are known.
     pub openapi: Arc<OnceLock<String>>,
 }
@@ -187,6 +189,7 @@ impl AppState {
             brightness_progress: Progress::default(),
             basemap,
             atlases,
+            atlas_reads: Arc::new(Semaphore::new(READS)),
             openapi: Arc::default(),
         }))
     }

@@ -12,7 +12,7 @@ use std::{
     collections::HashMap,
     fs::File,
     future::Future,
-    io::Error,
+    io::{Error, ErrorKind},
     os::unix::fs::{FileExt, MetadataExt},
     path::Path,
     sync::{Arc, PoisonError, RwLock},
@@ -21,6 +21,8 @@ use thiserror::Error;
 
 /// Directories, metadata and tiles of real files have some megabytes at most.
 const MAX_PART_BYTES: usize = 64 << 20;
+/// Header and root directory: another file has others.
+const HEAD_BYTES: usize = 16_384;
 /// Directories that are kept at once: some thousand tiles each.
 const MAX_DIRECTORIES: usize = 64;
 
@@ -33,6 +35,9 @@ pub enum TileFileError {
     /// Its store cannot be had.
     #[error("{0}")]
     Store(#[from] KeptStoreError),
+    /// It was written into, or replaced, since it was opened.
+    #[error("it has changed since it was opened")]
+    Changed,
     /// It is no PMTiles file, or a broken one.
     #[error("it is no sound PMTiles file of version 3: {0}")]
     Unreadable(PmtError),
@@ -42,6 +47,7 @@ impl From<PmtError> for TileFileError {
     fn from(error: PmtError) -> Self {
         match error {
             PmtError::Reading(error) => Self::Io(error),
+            PmtError::SourceModified => Self::Changed,
             error => Self::Unreadable(error),
         }
     }
@@ -51,7 +57,7 @@ impl From<PmtError> for TileFileError {
 pub(crate) struct TileFile {
     reader: AsyncPmTilesReader<Parts, Directories>,
     pub(crate) metadata: Value,
-    /// What tells it from what was or will be at its address.
+    /// What tells its tiles from those of another file, wherever either lies.
     pub(crate) version: String,
 }
 
@@ -69,8 +75,9 @@ impl TileFile {
     /// # Errors
     /// As [`Self::open`], and [`TileFileError::Store`].
     pub(crate) fn open_at(address: &str) -> Result<Self, TileFileError> {
-        if !address.contains("://") {
-            return Self::open(Path::new(address));
+        if let Some(path) = address.strip_prefix("file://").or((!address.contains("://")).then_some(address))
+        {
+            return Self::open(Path::new(path));
         }
         let bad = || KeptStoreError::BadAddress { address: address.to_owned() };
         let (folder, name) = address.rsplit_once('/').filter(|(_, name)| !name.is_empty()).ok_or_else(bad)?;
@@ -79,7 +86,8 @@ impl TileFile {
     }
 
     fn of_parts(parts: Parts) -> Result<Self, TileFileError> {
-        let version = parts.version()?;
+        let head = at_once(parts.read(0, HEAD_BYTES))?;
+        let version = blake3::hash(&head.bytes).to_hex()[..16].to_owned();
         let reader = at_once(AsyncPmTilesReader::try_from_cached_source(parts, Directories::default()))?;
         let metadata = serde_json::from_str(&at_once(reader.get_metadata())?).unwrap_or_default();
         Ok(Self { reader, metadata, version })
@@ -109,24 +117,6 @@ enum Parts {
     Object { store: Arc<KeptStore>, name: String },
 }
 
-impl Parts {
-    fn version(&self) -> PmtResult<String> {
-        match self {
-            Self::File(file) => {
-                let metadata = file.metadata()?;
-                Ok(format!("{} bytes of {}.{}", metadata.len(), metadata.mtime(), metadata.mtime_nsec()))
-            }
-            Self::Object { store, name } => Ok(read_object(store, name, (0, 1))?.1.unwrap_or_default()),
-        }
-    }
-}
-
-/// Bytes of an object, and what tells its version.
-fn read_object(store: &KeptStore, name: &str, part: (u64, usize)) -> Result<(Bytes, Option<String>), Error> {
-    let missing = || Error::new(std::io::ErrorKind::NotFound, format!("{name} is not in its store"));
-    store.part(name, part).map_err(Error::other)?.ok_or_else(missing)
-}
-
 impl AsyncBackend for Parts {
     async fn read(&self, offset: u64, length: usize) -> PmtResult<BackendResponse> {
         if length > MAX_PART_BYTES {
@@ -143,11 +133,16 @@ impl AsyncBackend for Parts {
                     }
                 }
                 bytes.truncate(filled);
-                Ok(BackendResponse::new(bytes.into()))
+                // Who writes into the file instead of replacing it is found out.
+                let found = file.metadata()?;
+                let version = format!("{} {}.{}", found.len(), found.mtime(), found.mtime_nsec());
+                Ok(BackendResponse::new_with_version(bytes.into(), version))
             }
             Self::Object { store, name } => {
-                let (bytes, data_version_string) = read_object(store, name, (offset, length))?;
-                Ok(BackendResponse { bytes, data_version_string })
+                let missing = || Error::new(ErrorKind::NotFound, format!("{name} is not in its store"));
+                let part = store.part(name, (offset, length)).map_err(Error::other)?;
+                let (bytes, version) = part.ok_or_else(missing)?;
+                Ok(BackendResponse::new_with_version(bytes, version))
             }
         }
     }
@@ -184,6 +179,40 @@ impl DirectoryCache for Directories {
 
 /// What comes without waiting, as all that [`Parts`] reads does.
 fn at_once<T>(reading: impl Future<Output = PmtResult<T>>) -> PmtResult<T> {
-    let waiting = || PmtError::Reading(std::io::ErrorKind::WouldBlock.into());
+    let waiting = || PmtError::Reading(ErrorKind::WouldBlock.into());
     reading.now_or_never().unwrap_or_else(|| Err(waiting()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pmtiles::{PmTilesWriter, TileType};
+
+    /// A file in a store is read as one on disk, and of one that has changed nothing is taken.
+    #[test]
+    fn files_in_stores_are_read_by_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.pmtiles");
+        let write = |tile: &[u8]| {
+            let mut writer = PmTilesWriter::new(TileType::Png).create(File::create(&path).unwrap()).unwrap();
+            writer.add_tile(TileCoord::new(0, 0, 0).unwrap(), tile).unwrap();
+            writer.finalize().unwrap();
+        };
+        write(b"one");
+        let store = KeptStore::open(&format!("file://{}", folder.path().display()), &[]).unwrap();
+        let parts = Parts::Object { store: Arc::new(store), name: "map.pmtiles".to_owned() };
+        let files = [TileFile::of_parts(parts).unwrap(), TileFile::open(&path).unwrap()];
+        assert_eq!(files[0].version, files[1].version);
+        for file in &files {
+            assert_eq!(file.tile(0, 0, 0).unwrap().unwrap(), "one");
+            assert!(file.tile(1, 0, 0).unwrap().is_none());
+        }
+        write(b"another");
+        for file in &files {
+            assert!(matches!(file.tile(0, 0, 0), Err(TileFileError::Changed)));
+        }
+        assert_ne!(TileFile::open(&path).unwrap().version, files[0].version);
+        let missing = TileFile::open_at("s3://").err().unwrap().to_string();
+        assert!(missing.contains("s3://BUCKET"), "{missing}");
+    }
 }

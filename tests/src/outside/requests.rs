@@ -20,6 +20,7 @@ fn facts() -> SourceFacts {
         basis_count: 64,
         ground_albedo,
         why_open: None,
+        checksums: String::new(),
     };
     SourceFacts {
         executor: "cpu".to_owned(),

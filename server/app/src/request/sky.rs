@@ -366,12 +366,9 @@ fn read_turbidity(reader: &mut Reader, facts: &SourceFacts, kind: Option<&KindFa
     {
         let (minimum, maximum) = kind.turbidity_range;
         let is_hole = (minimum..=maximum).contains(&value);
-        let message = match kind.cloud_base_m() {
-            _ if is_hole => Some("a table pack for this is damaged and left out".to_owned()),
-            Some(base_m) => Some(format!(
-                "is out of range: `skyglow precompute --turbidity {value} --cloud-base {base_m}` makes a pack for it"
-            )),
-            None => None,
+        let message = match is_hole {
+            true => Some("a table pack for this is damaged and left out".to_owned()),
+            false => Turbidity::new(value).ok().and_then(|_| kind.missing_turbidity(value)),
         };
         let allowed = facts.allowed_with(kind, kind.turbidities());
         reader.fail(&p::TURBIDITY, ValidationCode::OutOfRange, message, Some(allowed));

@@ -34,6 +34,7 @@ fn kind(scattering: Scattering, turbidity_range: (f64, f64), basis_count: usize)
         basis_count,
         ground_albedo: None,
         why_open: None,
+        checksums: String::new(),
     }
 }
 
@@ -174,6 +175,8 @@ fn clouds_are_those_that_are_resident() {
     ] {
         let errors = read(query).unwrap_err().field_errors().to_vec();
         assert_eq!((errors.len(), errors[0].allowed.as_str()), (1, allowed), "{query}");
+        let makes = errors[0].message.contains("--turbidity 3 --cloud-base 1000");
+        assert_eq!(makes, query.ends_with("turbidity=3"), "{}", errors[0].message);
     }
 }
 

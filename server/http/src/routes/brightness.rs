@@ -31,7 +31,9 @@ impl PreparedBrightness {
         let view = state.view(&request.scene, request.scenario.as_ref()).await?;
         let facts = state.source.facts();
         let key = brightness_key(&request, view.version(), facts)?;
+        let step = view.scene().place_lattice(request.max_places).step;
         let atlas = state.atlases.get(&atlas_key(&request, view.version(), facts)?);
+        let atlas = atlas.filter(|atlas| atlas.is_as_fine_as(step));
         Ok(Self { request: Arc::new(request), view, key, atlas })
     }
 

@@ -2,6 +2,7 @@
 
 use super::{brightness::PreparedBrightness, influence::PreparedInfluence};
 use crate::{
+    atlases::TileParts,
     error::ApiError,
     etag::ETag,
     problem::Problem,
@@ -34,7 +35,7 @@ use skyglow_display::{
 };
 use skyglow_observatory::{MapLight, MapMeasure, Measure};
 use skyglow_scene::{ChangeId, SceneId, TileLayer, tile_pixel_m};
-use std::future::Future;
+use std::{future::Future, sync::Arc, time::Duration};
 use utoipa::OpenApi;
 
 /// The document of the tiles: their route's last part is one segment to the router and two things to a reader.
@@ -238,6 +239,8 @@ async fn scene_tile(
     drawn_once(state, &caching, draw).await
 }
 
+/// How long a tile of an atlas waits for others to be read.
+const ATLAS_WAIT: Duration = Duration::from_secs(5);
 /// Bytes that a tile takes for each pixel while it is drawn.
 const BYTES_PER_PIXEL: usize = 24;
 
@@ -314,11 +317,24 @@ async fn brightness_tile(
     let seen = (request.measure, request.light, request.cloud_base_m, &request.response);
     let notes = Notes::new(&brightness_description(seen, prepared.view().metadata().illustrative), "");
     if let Some(atlas) = prepared.atlas.clone() {
-        let draw = move |_: &dyn SkySource| {
-            let Address { place, size_px } = address;
-            Ok(atlas.tile(place, size_px, &notes)?)
+        let Address { place, size_px } = address;
+        let draw = async {
+            // A store that hangs is to keep threads from no other work.
+            let reads =
+                tokio::time::timeout(ATLAS_WAIT, Arc::clone(&state.atlas_reads).acquire_owned()).await;
+            let Ok(Ok(permit)) = reads else { return Err(AppError::Busy { retry_after_s: 5 }.into()) };
+            let read = move |_: &dyn SkySource| {
+                let _until_read = permit;
+                Ok(atlas.read(place, size_px)?)
+            };
+            let parts = state.blocking(read).await?;
+            if let TileParts::Itself(tile) = parts {
+                return Ok(tile);
+            }
+            let draw = move |_: &dyn SkySource| Ok(parts.draw(size_px, &notes)?);
+            state.work.drawn(tile_bytes(address), draw).await
         };
-        return drawn_once(state, &caching, state.blocking(draw)).await;
+        return drawn_once(state, &caching, draw).await;
     }
     let draw = async {
         let map = prepared.find(state).await?;

@@ -9,7 +9,7 @@ use pmtiles::{PmTilesWriter, TileCoord, TileId, TileType};
 use serde_json::json;
 use skyglow_app::{
     SkySource,
-    fingerprint::{ATLAS_KEY, ATLAS_QUERY, atlas_key},
+    fingerprint::{ATLAS_EXTENT, ATLAS_KEY, ATLAS_QUERY, ATLAS_STEP, atlas_key},
     request::{brightness, scene_id},
 };
 use skyglow_http::{Atlas, HttpConfig};
@@ -25,14 +25,17 @@ fn picture(red: u8) -> Vec<u8> {
 }
 
 /// A file of zooms 0 and 1, the south-east of zoom 1 left out; the redness of a tile is its number.
-fn written(path: &Path, key: Option<&str>) {
-    let mut metadata = json!({"name": "demo: light on the ground", "scene": "demo", ATLAS_QUERY: QUERY});
+///
+/// * `last_zoom`: that of the file before something was cut out of it.
+fn written(path: &Path, key: Option<&str>, last_zoom: u8) {
+    let mut metadata = json!({"name": "demo: light on the ground", "scene": "demo", ATLAS_QUERY: QUERY, ATLAS_STEP: 1,
+        ATLAS_EXTENT: [-180.0, -85.0, 180.0, 85.0, 0.0, last_zoom]});
     if let Some(key) = key {
         metadata[ATLAS_KEY] = key.into();
     }
     let file = std::fs::File::create(path).unwrap();
-    let mut writer =
-        PmTilesWriter::new(TileType::Png).metadata(metadata.to_string()).max_zoom(1).create(file).unwrap();
+    let writer = PmTilesWriter::new(TileType::Png).metadata(metadata.to_string()).max_zoom(1);
+    let mut writer = writer.bounds(-180.0, -85.0, 180.0, 85.0).create(file).unwrap();
     let mut tiles = [(0, 0, 0, 10), (1, 0, 0, 20), (1, 1, 0, 30), (1, 0, 1, 40)]
         .map(|(z, x, y, red)| (TileCoord::new(z, x, y).unwrap(), red));
     tiles.sort_by_key(|(tile, _)| TileId::from(*tile).value());
@@ -55,7 +58,7 @@ fn key() -> String {
 async fn tiles_of_an_atlas_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("demo.pmtiles");
-    written(&path, Some(&key()));
+    written(&path, Some(&key()), 1);
     for address in [path.display().to_string(), format!("file://{}", path.display())] {
         let config = HttpConfig { atlases: vec![address], ..HttpConfig::default() };
         let server = Server::with(config).await;
@@ -110,11 +113,13 @@ async fn what_is_no_atlas_is_refused() {
     let address = path.display().to_string();
     let refused = || Atlas::open(&address).unwrap_err().to_string();
     assert!(refused().contains("No such file"), "{}", refused());
-    written(&path, None);
+    written(&path, None, 1);
     assert!(refused().contains("make it anew"), "{}", refused());
     std::fs::write(&path, [0; 300]).unwrap();
     assert!(refused().contains("PMTiles"), "{}", refused());
-    written(&path, Some("of another version"));
+    written(&path, Some(&key()), 5);
+    assert!(refused().contains("part of a map"), "{}", refused());
+    written(&path, Some("of another version"), 1);
     let server = Server::with(HttpConfig { atlases: vec![address], ..HttpConfig::default() }).await;
     let tile = server.answer(&format!("/api/v1/scenes/demo/tiles/brightness/1/1/0.png?{QUERY}")).await;
     assert_eq!(tile.status(), 503);

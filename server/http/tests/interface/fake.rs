@@ -80,6 +80,7 @@ impl Default for Fake {
                     basis_count: 64,
                     ground_albedo: None,
                     why_open: None,
+                    checksums: String::new(),
                 }],
                 any_cloud_albedo: None,
                 altitude_range_m: (0.0, 6000.0),
@@ -151,6 +152,7 @@ impl Fake {
             basis_count: 32,
             ground_albedo: Some(0.15),
             why_open: Some("in this test"),
+            checksums: String::new(),
         });
         fake
     }

@@ -249,9 +249,7 @@ impl PixelStatistics {
         if mean >= MIN_LIT_MEAN_NW_CM2_SR || is_told {
             return Ok(());
         }
-        // As stored: the unit that was taken may be the wrong one.
-        let stored = mean / mosaic.first().unit.map_or(1.0, RadianceUnit::nw_cm2_sr);
-        let advice = match RadianceUnit::advice(stored) {
+        let advice = match unit_advice(mosaic, mean) {
             Some(units) => format!(": {units}; give its --units, or a --scale"),
             None => "; give its --units or --scale".to_owned(),
         };
@@ -355,7 +353,7 @@ impl PixelStatistics {
         let mean = self.sum / self.lit.count.max(1) as f64;
         if mean < LOW_LIT_MEAN_NW_CM2_SR {
             let other =
-                RadianceUnit::advice(mean).map_or(String::new(), |units| format!(": {units} (--units)"));
+                unit_advice(mosaic, mean).map_or(String::new(), |units| format!(": {units} (--units)"));
             warnings.push(format!(
                 "the mean of the lit pixels is {mean:e} nW cm-2 sr-1, darker than the noise of the satellites: the unit is suspicious{other}"
             ));
@@ -431,4 +429,10 @@ impl PixelStatistics {
         }
         warnings
     }
+}
+
+/// Units that would make light of the Earth of rasters, whose mean of the lit is `mean` in nW cm⁻² sr⁻¹ by the unit that was taken.
+fn unit_advice(mosaic: &Mosaic, mean: f64) -> Option<String> {
+    let taken = mosaic.first().unit;
+    RadianceUnit::advice(mean / taken.map_or(1.0, RadianceUnit::nw_cm2_sr), taken)
 }

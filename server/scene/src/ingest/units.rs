@@ -100,9 +100,12 @@ impl RadianceUnit {
 
     /// The units in which numbers with this mean of the lit would be radiances of the Earth at night, in words, the likeliest first;
     /// None where there is none.
-    pub(super) fn advice(mean: f64) -> Option<String> {
+    ///
+    /// * `mean`: as it is stored. `taken`: the unit that was taken, which makes it none.
+    pub(super) fn advice(mean: f64, taken: Option<Self>) -> Option<String> {
         let in_nw = |unit: Self| mean * unit.nw_cm2_sr();
         let mut units: Vec<Self> = (Self::ALL.into_iter())
+            .filter(|unit| Some(*unit) != taken)
             .filter(|unit| PLAUSIBLE_LIT_MEAN_NW_CM2_SR.contains(&in_nw(*unit)))
             .collect();
         let unlikely = |unit: Self| (in_nw(unit) / USUAL_LIT_MEAN_NW_CM2_SR).ln().abs();
@@ -204,16 +207,16 @@ mod tests {
         use RadianceUnit as U;
         for mean_nw in [0.3, 3.0, 30.0] {
             for unit in U::ALL {
-                let advice = U::advice(mean_nw / unit.nw_cm2_sr()).unwrap();
+                let advice = U::advice(mean_nw / unit.nw_cm2_sr(), None).unwrap();
                 assert!(
                     advice.contains(&format!("{mean_nw:.2} nW cm-2 sr-1 in {}", unit.name())),
                     "{advice}"
                 );
             }
         }
-        let advice = U::advice(6.46e-3).unwrap();
+        let advice = U::advice(6.46e-3, Some(U::NanowattPerSquareCentimetreSteradian)).unwrap();
         assert!(advice.starts_with("it would be 6.46 nW cm-2 sr-1 in uw-cm2-sr, 0.65"), "{advice}");
-        assert_eq!(U::advice(1e-30), None);
+        assert_eq!(U::advice(1e-30, None), None);
     }
 
     #[test]

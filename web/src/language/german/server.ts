@@ -120,6 +120,10 @@ export const server: ServerWords = {
       "was aufgehoben ist, ist jetzt nicht zu erreichen, und nichts lässt sich aufheben; in einer Minute noch einmal versuchen",
     ],
     [
+      "this map was made beforehand, and its file cannot be read now; try again in a minute",
+      "diese Karte ist im Voraus berechnet, und ihre Datei ist jetzt nicht lesbar; in einer Minute noch einmal versuchen",
+    ],
+    [
       "latitude {}, longitude {} lies outside the scene, which reaches from west {} south {} to east {} north {}",
       "der Ort bei Breite {} und Länge {} liegt außerhalb der Szene; sie reicht von West {} Süd {} bis Ost {} Nord {}",
     ],

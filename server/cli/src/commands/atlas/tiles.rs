@@ -3,7 +3,7 @@
 use super::found::{Found, MapLayer};
 use crate::{failure::Failure, progress::Stages};
 use pmtiles::{PmTilesWriter, TileCoord, TileId, TileType};
-use skyglow_app::fingerprint::{ATLAS_KEY, ATLAS_QUERY};
+use skyglow_app::fingerprint::{ATLAS_EXTENT, ATLAS_KEY, ATLAS_QUERY, ATLAS_STEP};
 use skyglow_display::{
     Notes, notes,
     tile::{brightness_tile_png, elevation_tile_png, radiance_tile_png},
@@ -35,6 +35,8 @@ pub(super) fn write(
     let [west, south, east, north] = metadata.bounds;
     let description =
         notes::description(format!("{}, {}", found.description, found.unit), metadata.illustrative);
+    // Across the antimeridian all longitudes are there.
+    let (first_deg, last_deg) = if west > east { (-180.0, 180.0) } else { (west, east) };
     let mut document = serde_json::json!({
         "name": format!("{}: {}", metadata.title, found.description),
         "description": description,
@@ -42,14 +44,23 @@ pub(super) fn write(
         "assumptions": found.assumptions,
         "scene": metadata.id,
     });
-    if let Some([key, query]) = &found.asked {
-        document[ATLAS_KEY] = key.as_str().into();
-        document[ATLAS_QUERY] = query.as_str().into();
+    // Without its last zooms a server would show it coarser than it is.
+    let whole = deepest_zoom(&found.scene, &found.places);
+    match &found.asked {
+        Some([key, query]) if deepest >= whole => {
+            document[ATLAS_KEY] = key.as_str().into();
+            document[ATLAS_QUERY] = query.as_str().into();
+            document[ATLAS_STEP] = found.places.lattice().step.into();
+            let zooms = [0.0, f64::from(deepest)];
+            document[ATLAS_EXTENT] = [[first_deg, south, last_deg, north].as_slice(), &zooms].concat().into();
+        }
+        Some(_) => {
+            tracing::warn!("servers do not show it in place of their own: its places want zoom {whole}")
+        }
+        None => {}
     }
     let unfinished = path.with_extension("unfinished");
     let failure = |error: std::io::Error| Failure::file(path, error);
-    // Across the antimeridian all longitudes are there.
-    let (first_deg, last_deg) = if west > east { (-180.0, 180.0) } else { (west, east) };
     let file = File::create(&unfinished).map_err(failure)?;
     let mut archive = PmTilesWriter::new(TileType::Png)
         .metadata(document.to_string())

@@ -1,0 +1,1 @@
+export{i as adaptationOf}from"./shading-Dl2d5Qno.js";

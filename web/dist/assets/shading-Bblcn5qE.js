@@ -1,1 +1,0 @@
-export{i as adaptationOf}from"./shading-DoB-Wg1N.js";

@@ -1,1 +1,0 @@
-export{t as SkyView}from"./sky-view-CPX_LrP4.js";

@@ -1,0 +1,1 @@
+export{t as SkyView}from"./sky-view-EIfap6D_.js";
