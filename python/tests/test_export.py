@@ -126,7 +126,9 @@ def test_tiles_are_those_of_the_program(client, map_in_shards, tmp_path):
     assert about["description"].startswith(their_about["description"].partition(";")[0].partition(".")[0])
     assert mine.keys() == theirs.keys()
     # A server takes either in place of what it would compute.
-    assert [about[name] for name in ("atlas_key", "atlas_step")] == [their_about[name] for name in ("atlas_key", "atlas_step")]
+    assert [about[name] for name in ("atlas_key", "atlas_step")] == [
+        their_about[name] for name in ("atlas_key", "atlas_step")
+    ]
     assert about["atlas_extent"] == pytest.approx(their_about["atlas_extent"], abs=place_e7 / 1e7)
     for place, png in mine.items():
         drawn, other = (plt.imread(io.BytesIO(each)) for each in (png, theirs[place]))
