@@ -229,6 +229,7 @@ def pmtiles(
             "attribution": chart.about.get("attribution"),
             "assumptions": chart.about["assumptions"],
             "scene": chart.about["scene"],
+            "scene_version": chart.about["scene_version"],
         }
         if is_shown:
             about |= {name: chart.about[name] for name in (ATLAS_KEY, ATLAS_QUERY) if name in chart.about}

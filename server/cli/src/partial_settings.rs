@@ -178,7 +178,12 @@ impl PartialSettings {
         for layer in [below, self] {
             table.extend(Table::try_from(layer).map_err(Failure::work)?);
         }
-        let settings: Settings = table.try_into().map_err(Failure::work)?;
+        let mut settings: Settings = table.try_into().map_err(Failure::work)?;
+        // An empty variable is an empty list, and blanks may stand after its commas.
+        for list in [&mut settings.http.atlases, &mut settings.http.cors_origins] {
+            list.iter_mut().for_each(|item| *item = item.trim().to_owned());
+            list.retain(|item| !item.is_empty());
+        }
         settings.check()
     }
 }
@@ -245,6 +250,24 @@ mod tests {
             assert!(refused.contains(&format!("{name} must be")), "{refused}");
         }
         assert!(!refused.contains("drain"), "{refused}");
+    }
+
+    /// Lists may be empty in the environment, and have blanks; what is no address of an atlas is refused.
+    #[test]
+    fn lists_are_trimmed_and_addresses_checked() {
+        let with = |atlases: &[&str]| {
+            let atlases = Some(atlases.iter().map(|&text| text.to_owned()).collect());
+            let flags = PartialSettings { atlases, ..PartialSettings::default() };
+            flags.over(&PartialSettings::default()).map(|settings| settings.http.atlases)
+        };
+        assert_eq!(with(&[""]).unwrap(), Vec::<String>::new());
+        assert_eq!(with(&["s3://maps/a.pmtiles", " gs://maps/b.pmtiles"]).unwrap()[1], "gs://maps/b.pmtiles");
+        for (address, reason) in
+            [("http://maps/a.pmtiles", "neither a path nor"), ("/no/a.pmtiles", "No such file")]
+        {
+            let refused = with(&[address]).unwrap_err().to_string();
+            assert!(refused.contains(address) && refused.contains(reason), "{refused}");
+        }
     }
 
     /// Secrets are read from files and what is wrong with them never shows them.

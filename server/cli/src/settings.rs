@@ -136,10 +136,17 @@ impl Settings {
             require(false, "basemap", &format!("a PMTiles file of vector tiles: {error}"));
         }
         for address in &http.atlases {
-            // A store may be away now and there later.
-            let is_remote = address.contains("://") && !address.starts_with("file://");
-            if !is_remote && let Err(error) = Atlas::open(address) {
-                require(false, "atlases", &format!("PMTiles files of maps: {address}: {error}"));
+            let scheme = address.split_once("://").map(|(scheme, _)| scheme);
+            let wrong = match scheme {
+                // A store may be away now and there later.
+                Some("s3" | "gs" | "az") => None,
+                Some("file") | None => Atlas::open(address).err().map(|error| error.to_string()),
+                Some(_) => {
+                    Some("it is neither a path nor s3://BUCKET/NAME.pmtiles, gs:// or az://".to_owned())
+                }
+            };
+            if let Some(reason) = wrong {
+                require(false, "atlases", &format!("PMTiles files of maps: {address}: {reason}"));
             }
         }
         let collector = self.otlp_endpoint.as_ref();

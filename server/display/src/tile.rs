@@ -108,7 +108,7 @@ fn logarithmic_png(
     })
 }
 
-/// A part of a square tile, enlarged to a tile: beyond its last zoom a map has nothing finer.
+/// A part of a square tile, enlarged to a tile by bilinear interpolation: beyond its last zoom a map has nothing finer.
 ///
 /// * `part`: how many zooms deeper, and column and row among the 2^zooms a side that the tile has of such parts.
 ///
@@ -121,13 +121,29 @@ pub fn enlarged_tile_png(
     notes: &Notes,
 ) -> Result<Vec<u8>, DisplayError> {
     let tile = decoded(tile)?;
-    let at = |pixel: u32, part: u32, whole: u32| {
+    // Pixels of the tile around a pixel of the part, and how far it is to the second.
+    let around = |pixel: u32, part: u32, whole: u32| {
         let place =
             (f64::from(part) + (f64::from(pixel) + 0.5) / f64::from(size_px)) / f64::from(zooms).exp2();
-        ((place * f64::from(whole)) as u32).min(whole.saturating_sub(1))
+        let at = (place * f64::from(whole) - 0.5).clamp(0.0, f64::from(whole - 1));
+        let first = at as u32;
+        ([first, (first + 1).min(whole - 1)], at - at.floor())
     };
     let enlarged = RgbaImage::from_fn(size_px, size_px, |x, y| {
-        *tile.get_pixel(at(x, column, tile.width()), at(y, row, tile.height()))
+        let ((columns, right), (rows, down)) =
+            (around(x, column, tile.width()), around(y, row, tile.height()));
+        let (mut colour, mut opacity) = ([0.0; 3], 0.0);
+        for (row, of_row) in rows.into_iter().zip([1.0 - down, down]) {
+            for (column, of_column) in columns.into_iter().zip([1.0 - right, right]) {
+                // What is transparent has no colour.
+                let Rgba([r, g, b, alpha]) = *tile.get_pixel(column, row);
+                let weight = of_row * of_column * f64::from(alpha);
+                opacity += weight;
+                colour = [0, 1, 2].map(|at| colour[at] + weight * f64::from([r, g, b][at]));
+            }
+        }
+        let [r, g, b] = colour.map(|sum| if opacity > 0.0 { (sum / opacity).round() as u8 } else { 0 });
+        Rgba([r, g, b, opacity.round() as u8])
     });
     encode_png_rgba(&enlarged, notes)
 }
@@ -282,8 +298,19 @@ mod tests {
         }
         let again = enlarged_tile_png(&joined, (1, 1, 0), 4, &Notes::default()).unwrap();
         assert_eq!(decode(&again), one);
-        let deep = decode(&enlarged_tile_png(&tile, (5, 9, 31), 4, &Notes::default()).unwrap());
-        assert!(deep.pixels().all(|pixel| pixel == one.get_pixel(1, 3)));
+        // Just before the middle of the second pixel of the first row, and between it and the third.
+        let enlarged = |part, size_px, at: (u32, u32)| {
+            let tile = enlarged_tile_png(&tile, part, size_px, &Notes::default()).unwrap();
+            decode(&tile).get_pixel(at.0, at.1).0
+        };
+        let [left, right] = [1, 2].map(|x| one.get_pixel(x, 0).0);
+        let (deep, between) = (enlarged((5, 11, 0), 4, (3, 3)), enlarged((3, 3, 0), 2, (1, 1)));
+        for at in 0..4 {
+            assert!(deep[at].abs_diff(left[at]) <= 3, "{deep:?} {left:?}");
+            let mean = 0.625 * f64::from(left[at]) + 0.375 * f64::from(right[at]);
+            assert!((f64::from(between[at]) - mean).abs() < 3.0, "{left:?} {between:?} {right:?}");
+        }
+        assert!(between != left && between != right);
         assert!(enlarged_tile_png(b"no picture", (1, 0, 0), 4, &Notes::default()).is_err());
     }
 

@@ -27,9 +27,6 @@ use thiserror::Error;
 /// How often it is looked for atlases that were made anew.
 const LOOK_EVERY: Duration = Duration::from_secs(60);
 
-/// Why a file is not what the server would compute.
-const NOT_CURRENT: &str = "its scene has changed since, or it was made with other packs or by another version of Skyglow, or it is coarser than what \
-                           this server computes; make it anew";
 /// Pixels a side of its tiles.
 const TILE_PX: u32 = 256;
 /// Tiles that are read at a time: a store that hangs is to keep no more threads from other work.
@@ -57,6 +54,14 @@ pub enum AtlasError {
          which parts were missing; make it anew with skyglow atlas or skyglow.export.pmtiles"
     )]
     NoKey,
+    /// A tile of it cannot be read.
+    #[error("{address}: {reason}")]
+    Tile {
+        /// Where it is.
+        address: String,
+        /// Why.
+        reason: TileFileError,
+    },
     /// One of its pictures is none.
     #[error("a tile is broken: {0}")]
     BrokenTile(#[from] DisplayError),
@@ -66,7 +71,10 @@ impl From<AtlasError> for ApiError {
     fn from(error: AtlasError) -> Self {
         match error {
             // It is opened anew within a minute.
-            AtlasError::File(reason) => Self::App(AppError::AtlasAway { reason: reason.to_string() }),
+            error @ AtlasError::Tile {
+                reason: TileFileError::Io(_) | TileFileError::Changed | TileFileError::CutShort,
+                ..
+            } => Self::App(AppError::AtlasAway { reason: error.to_string() }),
             error => Self::internal(error),
         }
     }
@@ -74,6 +82,7 @@ impl From<AtlasError> for ApiError {
 
 /// A map that was made beforehand.
 pub struct Atlas {
+    address: String,
     file: TileFile,
     /// [`skyglow_app::fingerprint::atlas_key`] of what it shows.
     key: String,
@@ -118,21 +127,32 @@ impl Atlas {
         if !found.iter().enumerate().all(is_there) {
             return Err(AtlasError::Part);
         }
-        Ok(Self { key: key.to_owned(), step, file })
+        Ok(Self { address: address.to_owned(), key: key.to_owned(), step, file })
     }
 
     fn said(&self, name: &str) -> &str {
         self.file.metadata[name].as_str().unwrap_or_default()
     }
 
-    /// Whether it is what the source would compute now: of the same version of its scene, by the same packs and version of the program,
-    /// and as fine.
-    fn is_current(&self, source: &dyn SkySource) -> Result<bool, AppError> {
+    /// Why it is not what the source would compute now; None where it is.
+    fn is_not_shown_for(&self, source: &dyn SkySource) -> Result<Option<String>, AppError> {
         let facts = source.facts();
         let request = brightness(Some(self.said(ATLAS_QUERY)), scene_id(self.said("scene"))?, facts)?;
         let view = source.view(&request.scene, request.scenario.as_ref())?;
-        let is_fine = self.is_as_fine_as(view.scene().place_lattice(request.max_places).step);
-        Ok(is_fine && atlas_key(&request, view.version(), facts)? == self.key)
+        let step = view.scene().place_lattice(request.max_places).step;
+        Ok(if self.said("scene_version") != view.metadata().version {
+            Some("its scene has changed since".to_owned())
+        } else if atlas_key(&request, view.version(), facts)? != self.key {
+            Some("it was made with other packs, or by another version of Skyglow".to_owned())
+        } else if !self.is_as_fine_as(step) {
+            Some(format!(
+                "its places are {} pixels of the scene apart, and those that this server computes {step} (more --places of skyglow atlas, or fewer \
+                 --brightness-places of skyglow serve)",
+                self.step
+            ))
+        } else {
+            None
+        })
     }
 
     /// Whether its places are as near to each other as those of a map with so many pixels from one to the next.
@@ -175,10 +195,11 @@ impl Atlas {
     }
 
     fn picture(&self, z: u8, x: u32, y: u32) -> Result<Option<Bytes>, AtlasError> {
-        let tile = self.file.tile(z, x, y)?;
+        let failed = |reason| AtlasError::Tile { address: self.address.clone(), reason };
+        let tile = self.file.tile(z, x, y).map_err(failed)?;
         match tile.as_ref().is_none_or(|tile| tile.starts_with(PNG)) {
             true => Ok(tile),
-            false => Err(AtlasError::File(TileFileError::Changed)),
+            false => Err(failed(TileFileError::Changed)),
         }
     }
 }
@@ -235,41 +256,47 @@ impl Atlases {
         let slot = |address: &String| Slot { address: address.clone(), atlas: None, told: String::new() };
         let atlases = Arc::new(Self(RwLock::new(addresses.iter().map(slot).collect())));
         if !addresses.is_empty() {
-            atlases.refresh(&|atlas| atlas.is_current(&**source));
+            atlases.refresh(&|atlas| atlas.is_not_shown_for(&**source));
             let of: (Weak<Self>, Weak<dyn SkySource>) = (Arc::downgrade(&atlases), Arc::downgrade(source));
             std::thread::spawn(move || {
                 loop {
                     std::thread::sleep(LOOK_EVERY);
                     let (Some(atlases), Some(source)) = (of.0.upgrade(), of.1.upgrade()) else { break };
-                    atlases.refresh(&|atlas| atlas.is_current(&*source));
+                    atlases.refresh(&|atlas| atlas.is_not_shown_for(&*source));
                 }
             });
         }
         atlases
     }
 
-    fn refresh(&self, is_current: &dyn Fn(&Atlas) -> Result<bool, AppError>) {
+    fn refresh(&self, is_not_shown_for: &dyn Fn(&Atlas) -> Result<Option<String>, AppError>) {
         let mut slots = self.0.read().unwrap_or_else(PoisonError::into_inner).clone();
         for slot in &mut slots {
-            let opened = Atlas::open(&slot.address);
-            let (is_fine, told) = match &opened {
-                Err(reason) => (false, format!("no atlas: {reason}")),
-                Ok(atlas) => match is_current(atlas) {
-                    Ok(true) => (true, format!("atlas of {}", atlas.said("name"))),
-                    Ok(false) => {
-                        (false, format!("the atlas of {} is not shown: {NOT_CURRENT}", atlas.said("name")))
+            let (is_fine, told) = match Atlas::open(&slot.address) {
+                Err(reason) => {
+                    // A store may be away for a while; what is gone or broken is computed.
+                    let is_away = |error: &std::io::Error| error.kind() == std::io::ErrorKind::Other;
+                    if !matches!(&reason, AtlasError::File(TileFileError::Io(error)) if is_away(error)) {
+                        slot.atlas = None;
                     }
-                    Err(reason) => {
-                        (false, format!("the atlas of {} is not shown: {reason}", atlas.said("name")))
+                    (false, format!("no atlas: {reason}"))
+                }
+                Ok(atlas) => {
+                    let of = format!("{} ({})", atlas.said("name"), atlas.said(ATLAS_QUERY));
+                    let (_, deepest) = atlas.zooms();
+                    let told = match is_not_shown_for(&atlas) {
+                        Ok(None) => (true, format!("atlas of {of}, down to zoom {deepest}")),
+                        Ok(Some(reason)) => (false, format!("the atlas of {of} is not shown: {reason}")),
+                        Err(reason) => (false, format!("the atlas of {of} is not shown: {reason}")),
+                    };
+                    if slot.atlas.as_ref().is_none_or(|known| known.file.identity != atlas.file.identity) {
+                        slot.atlas = Some(Arc::new(atlas));
+                        // It is told anew.
+                        slot.told = String::new();
                     }
-                },
+                    told
+                }
             };
-            // What was open stays open.
-            if let Ok(atlas) = opened
-                && slot.atlas.as_ref().is_none_or(|known| known.tiles_key() != atlas.tiles_key())
-            {
-                slot.atlas = Some(Arc::new(atlas));
-            }
             if slot.told != told {
                 match is_fine {
                     true => tracing::info!(address = slot.address, "{told}"),
@@ -305,7 +332,7 @@ mod tests {
             .bounds(-180.0, -85.0, 180.0, 85.0)
             .create(file)
             .unwrap();
-        writer.add_tile(TileCoord::new(0, 0, 0).unwrap(), b"a picture").unwrap();
+        writer.add_tile(TileCoord::new(0, 0, 0).unwrap(), b"\x89PNG a picture").unwrap();
         writer.finalize().unwrap();
         std::fs::rename(unfinished, path).unwrap();
     }
@@ -322,7 +349,7 @@ mod tests {
         };
         let atlases = Atlases(RwLock::new(paths.iter().map(slot).collect()));
         let keys = |keys: [&str; 3]| keys.map(|key| atlases.get(key).is_some());
-        let refresh = || atlases.refresh(&|_| Ok(true));
+        let refresh = || atlases.refresh(&|_| Ok(None));
         written(&paths[0], "a");
         refresh();
         assert_eq!(keys(["a", "b", "c"]), [true, false, false]);
@@ -331,9 +358,15 @@ mod tests {
         refresh();
         assert!(Arc::ptr_eq(&before, &atlases.get("a").unwrap()), "it is the same file");
         assert_eq!(keys(["a", "b", "c"]), [true, true, false]);
-        std::fs::write(&paths[0], b"damaged").unwrap();
+        // Damaged in place it is none, and mended with the same bytes it is there again.
+        let whole = std::fs::read(&paths[0]).unwrap();
+        std::fs::write(&paths[0], &whole[..whole.len() - 4]).unwrap();
         written(&paths[1], "c");
         refresh();
-        assert_eq!(keys(["a", "b", "c"]), [true, false, true]);
+        assert_eq!(keys(["a", "b", "c"]), [false, false, true]);
+        written(&paths[0], "a");
+        refresh();
+        let parts = atlases.get("a").unwrap().picture(0, 0, 0).unwrap();
+        assert!(parts.unwrap().ends_with(b"a picture"));
     }
 }

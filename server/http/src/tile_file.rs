@@ -23,6 +23,10 @@ use thiserror::Error;
 const MAX_PART_BYTES: usize = 64 << 20;
 /// Header and root directory: another file has others.
 const HEAD_BYTES: usize = 16_384;
+const MAGIC: &[u8] = b"PMTiles";
+/// Where the header says where the tiles begin, and how many bytes they are.
+const DATA_START_AT: usize = 56;
+const DATA_LENGTH_AT: usize = 64;
 /// Directories that are kept at once: some thousand tiles each.
 const MAX_DIRECTORIES: usize = 64;
 
@@ -38,6 +42,9 @@ pub enum TileFileError {
     /// It was written into, or replaced, since it was opened.
     #[error("it has changed since it was opened")]
     Changed,
+    /// Its end is not there.
+    #[error("it is cut short")]
+    CutShort,
     /// It is no PMTiles file, or a broken one.
     #[error("it is no sound PMTiles file of version 3: {0}")]
     Unreadable(PmtError),
@@ -48,6 +55,7 @@ impl From<PmtError> for TileFileError {
         match error {
             PmtError::Reading(error) => Self::Io(error),
             PmtError::SourceModified => Self::Changed,
+            PmtError::UnexpectedNumberOfBytesReturned(..) => Self::CutShort,
             error => Self::Unreadable(error),
         }
     }
@@ -59,6 +67,8 @@ pub(crate) struct TileFile {
     pub(crate) metadata: Value,
     /// What tells its tiles from those of another file, wherever either lies.
     pub(crate) version: String,
+    /// What tells it from what was or will be at its address.
+    pub(crate) identity: String,
 }
 
 impl TileFile {
@@ -87,10 +97,20 @@ impl TileFile {
 
     fn of_parts(parts: Parts) -> Result<Self, TileFileError> {
         let head = at_once(parts.read(0, HEAD_BYTES))?;
+        let identity = head.data_version_string.unwrap_or_default();
+        // Its tiles are at the end (specification of version 3, header).
+        let number = |at: usize| Some(u64::from_le_bytes(head.bytes.get(at..at + 8)?.try_into().ok()?));
+        if head.bytes.starts_with(MAGIC)
+            && let (Some(start), Some(length)) = (number(DATA_START_AT), number(DATA_LENGTH_AT))
+            && let Some(last) = start.checked_add(length).and_then(|end| end.checked_sub(1))
+            && at_once(parts.read(last, 1))?.bytes.is_empty()
+        {
+            return Err(TileFileError::CutShort);
+        }
         let version = blake3::hash(&head.bytes).to_hex()[..16].to_owned();
         let reader = at_once(AsyncPmTilesReader::try_from_cached_source(parts, Directories::default()))?;
         let metadata = serde_json::from_str(&at_once(reader.get_metadata())?).unwrap_or_default();
-        Ok(Self { reader, metadata, version })
+        Ok(Self { reader, metadata, version, identity })
     }
 
     pub(crate) fn header(&self) -> &Header {
@@ -135,7 +155,8 @@ impl AsyncBackend for Parts {
                 bytes.truncate(filled);
                 // Who writes into the file instead of replacing it is found out.
                 let found = file.metadata()?;
-                let version = format!("{} {}.{}", found.len(), found.mtime(), found.mtime_nsec());
+                let version =
+                    format!("{} {} {}.{}", found.ino(), found.len(), found.mtime(), found.mtime_nsec());
                 Ok(BackendResponse::new_with_version(bytes.into(), version))
             }
             Self::Object { store, name } => {
@@ -212,6 +233,9 @@ mod tests {
             assert!(matches!(file.tile(0, 0, 0), Err(TileFileError::Changed)));
         }
         assert_ne!(TileFile::open(&path).unwrap().version, files[0].version);
+        let whole = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &whole[..whole.len() - 1]).unwrap();
+        assert!(matches!(TileFile::open(&path), Err(TileFileError::CutShort)));
         let missing = TileFile::open_at("s3://").err().unwrap().to_string();
         assert!(missing.contains("s3://BUCKET"), "{missing}");
     }

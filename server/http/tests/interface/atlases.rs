@@ -28,7 +28,7 @@ fn picture(red: u8) -> Vec<u8> {
 ///
 /// * `last_zoom`: that of the file before something was cut out of it.
 fn written(path: &Path, key: Option<&str>, last_zoom: u8) {
-    let mut metadata = json!({"name": "demo: light on the ground", "scene": "demo", ATLAS_QUERY: QUERY, ATLAS_STEP: 1,
+    let mut metadata = json!({"name": "demo: light on the ground", "scene": "demo", "scene_version": "", ATLAS_QUERY: QUERY, ATLAS_STEP: 1,
         ATLAS_EXTENT: [-180.0, -85.0, 180.0, 85.0, 0.0, last_zoom]});
     if let Some(key) = key {
         metadata[ATLAS_KEY] = key.into();

@@ -254,7 +254,7 @@ impl PixelStatistics {
             None => "; give its --units or --scale".to_owned(),
         };
         Err(format!(
-            "the mean of its lit pixels is {mean:e} nW cm-2 sr-1, darker than any satellite sees, so its unit is another one{advice}"
+            "the mean of its lit pixels is {mean:.2e} nW cm-2 sr-1, darker than any satellite sees, so its unit is another one{advice}"
         ))
     }
 
@@ -355,7 +355,7 @@ impl PixelStatistics {
             let other =
                 unit_advice(mosaic, mean).map_or(String::new(), |units| format!(": {units} (--units)"));
             warnings.push(format!(
-                "the mean of the lit pixels is {mean:e} nW cm-2 sr-1, darker than the noise of the satellites: the unit is suspicious{other}"
+                "the mean of the lit pixels is {mean:.2e} nW cm-2 sr-1, darker than the noise of the satellites: the unit is suspicious{other}"
             ));
         } else if self.maximum > 1e5 {
             warnings.push(format!(

@@ -57,7 +57,8 @@ pub(crate) struct Atlas {
     /// all of the scene]
     #[arg(long, env = "SKYGLOW_BOUNDS", value_name = "W,S,E,N", value_parser = bounds, allow_hyphen_values = true)]
     bounds: Option<Bounds>,
-    /// Deepest zoom level of PMTiles [default: that at which a tile's pixel is no larger than the scene's]
+    /// Deepest zoom level of PMTiles; a server shows none with fewer than the default [default: that at which a tile's pixel is no larger than the way between
+    /// places]
     #[arg(long, env = "SKYGLOW_MAX_ZOOM", value_name = "Z", value_parser = clap::value_parser!(u8).range(0..=14))]
     max_zoom: Option<u8>,
     #[command(flatten)]

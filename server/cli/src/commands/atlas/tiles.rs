@@ -43,6 +43,7 @@ pub(super) fn write(
         "attribution": metadata.attribution,
         "assumptions": found.assumptions,
         "scene": metadata.id,
+        "scene_version": metadata.version,
     });
     // Without its last zooms a server would show it coarser than it is.
     let whole = deepest_zoom(&found.scene, &found.places);
