@@ -121,7 +121,9 @@ fn terrain_that_lies_elsewhere_is_refused() {
     let test_store = TestStore::new();
     let (light, ground) = (test_store.path("light.tif"), test_store.path("ground.tif"));
     TestRaster::scattered(240, 240).write_f32(&light);
-    plane(10.0, 40.0, 0.01, 130, 130).write_f32(&ground);
+    let mut elsewhere = plane(10.0, 40.0, 0.01, 130, 130);
+    elsewhere.values.fill(500.0);
+    elsewhere.write_f32(&ground);
     let mut options = IngestOptions::new(light);
     options.terrain = vec![ground];
     let refused = test_store.refusal(&options);

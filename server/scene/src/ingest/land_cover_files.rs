@@ -37,18 +37,22 @@ pub(super) fn read(
         }
     }
     let cover = LandCover::new(files);
-    let mut probes = (0..PROBES * PROBES).map(|number| {
-        let [x, y] =
-            [number % PROBES, number / PROBES].map(|step| (f64::from(step) + 0.5) / f64::from(PROBES));
-        lights.point(x * f64::from(lights.width), y * f64::from(lights.height))
-    });
-    let is_known =
-        probes.any(|point| point.is_finite() && cover.at(GeoPoint::from_vector(point), 0.0).is_some());
+    let is_known = probes(lights).any(|place| cover.at(place, 0.0).is_some());
     if let Some(path) = options.land_cover.first().filter(|_| !is_known) {
         let reason = "the files of land cover know nothing of the ground that the radiances are of: they lie elsewhere, or are void";
         return Err(SceneError::Refused { path: PathBuf::from(path), reason: reason.to_owned() });
     }
     Ok(cover)
+}
+
+/// Places spread over a grid, where it lies on Earth.
+pub(super) fn probes(grid: &Grid) -> impl Iterator<Item = GeoPoint> {
+    let points = (0..PROBES * PROBES).map(|number| {
+        let [x, y] =
+            [number % PROBES, number / PROBES].map(|step| (f64::from(step) + 0.5) / f64::from(PROBES));
+        grid.point(x * f64::from(grid.width), y * f64::from(grid.height))
+    });
+    points.filter(|point| point.is_finite()).map(GeoPoint::from_vector)
 }
 
 fn read_file(path: &Path, options: &IngestOptions) -> Result<([TerrainRaster; 3], Recognition), SceneError> {

@@ -2,6 +2,7 @@
 
 use super::gdal_open::{gdal_reason, open_file};
 use super::georeference;
+use super::land_cover_files::probes;
 use super::options::{IngestOptions, IngestProgress, IngestStage};
 use super::radiance::RadianceRaster;
 use super::tally::Tally;
@@ -180,7 +181,7 @@ fn vertical_unit(crs: &SpatialRef) -> Option<(String, f64)> {
 /// Sets the altitude of each lit pixel and reports how much of it is known.
 ///
 /// # Errors
-/// [`SceneError::Refused`] where terrain was given and no light lies on it or near: it is of another region.
+/// [`SceneError::Refused`] where terrain was given and nothing of the raster lies on it or near: it is of another region.
 pub(super) fn set_altitudes(
     files: &TerrainFiles,
     light: &mut RadianceRaster,
@@ -223,10 +224,12 @@ pub(super) fn set_altitudes(
     report.nearest = nearest.finish(&light.grid);
     report.missing = missing.finish(&light.grid);
     let lit = total.max(1) as u64;
+    let is_known = |place| !matches!(files.terrain.ground(place), Ground::Unknown);
     if report.missing.count == lit
         && let Some(path) = options.terrain.first()
+        && !probes(&light.grid).any(is_known)
     {
-        let reason = "the terrain knows nothing of the ground below the lights, within 5 km of any: it lies elsewhere, or is void; give that of the region, or \
+        let reason = "the terrain knows nothing of the ground of the raster, nor of any within 5 km of it: it lies elsewhere, or is void there; give that of the region, or \
                       none and all lights are taken at sea level";
         return Err(SceneError::Refused { path: path.clone(), reason: reason.to_owned() });
     }
